@@ -1,0 +1,48 @@
+# SuiteSparse before version 7 brings no package file of its own. Components and targets: KLU, CHOLMOD (SuiteSparse::KLU, ...).
+find_path(SuiteSparse_INCLUDE_DIR SuiteSparse_config.h PATH_SUFFIXES suitesparse)
+set(_suitesparse_needs suitesparseconfig amd colamd)
+set(_suitesparse_KLU_libraries klu btf)
+set(_suitesparse_CHOLMOD_libraries cholmod camd ccolamd openblas)
+set(_suitesparse_KLU_header klu.h)
+set(_suitesparse_CHOLMOD_header cholmod.h)
+
+if(SuiteSparse_INCLUDE_DIR)
+  foreach(_part MAIN SUB SUBSUB)
+    file(STRINGS "${SuiteSparse_INCLUDE_DIR}/SuiteSparse_config.h" _line REGEX "define SUITESPARSE_${_part}_VERSION")
+    string(REGEX REPLACE ".*VERSION[ \t]+([0-9]+).*" "\\1" _${_part} "${_line}")
+  endforeach()
+  set(SuiteSparse_VERSION "${_MAIN}.${_SUB}.${_SUBSUB}")
+endif()
+
+foreach(_component IN LISTS SuiteSparse_FIND_COMPONENTS)
+  set(SuiteSparse_${_component}_FOUND TRUE)
+  set(_found "")
+  foreach(_library IN LISTS _suitesparse_${_component}_libraries _suitesparse_needs)
+    set(_names ${_library})
+    if(_library STREQUAL "openblas")
+      list(APPEND _names blas)
+    endif()
+    find_library(SuiteSparse_${_library}_LIBRARY NAMES ${_names})
+    mark_as_advanced(SuiteSparse_${_library}_LIBRARY)
+    list(APPEND _found "${SuiteSparse_${_library}_LIBRARY}")
+    if(NOT SuiteSparse_${_library}_LIBRARY)
+      set(SuiteSparse_${_component}_FOUND FALSE)
+    endif()
+  endforeach()
+  if(NOT EXISTS "${SuiteSparse_INCLUDE_DIR}/${_suitesparse_${_component}_header}")
+    set(SuiteSparse_${_component}_FOUND FALSE)
+  endif()
+  if(SuiteSparse_${_component}_FOUND AND NOT TARGET SuiteSparse::${_component})
+    list(POP_FRONT _found _first)
+    add_library(SuiteSparse::${_component} UNKNOWN IMPORTED)
+    set_target_properties(SuiteSparse::${_component} PROPERTIES
+      IMPORTED_LOCATION "${_first}"
+      INTERFACE_INCLUDE_DIRECTORIES "${SuiteSparse_INCLUDE_DIR}"
+      INTERFACE_LINK_LIBRARIES "${_found}")
+  endif()
+endforeach()
+mark_as_advanced(SuiteSparse_INCLUDE_DIR)
+
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_INCLUDE_DIR
+                                  VERSION_VAR SuiteSparse_VERSION HANDLE_COMPONENTS)
