@@ -1,0 +1,44 @@
+# cmake -DBUILD=... -DFOLDER=... -DCOMPILER=... -DGENERATOR=... -DCOMPONENTS=... -P run.cmake
+# Installs the library into FOLDER, then builds and runs the project beside this file against it.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(code)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${command}\n${out}")
+  endif()
+endfunction()
+
+# configure(name components without...): the project asking for these components, on a machine without these packages.
+macro(configure name components)
+  set(command "${CMAKE_COMMAND}" -G ${GENERATOR} -S "${CMAKE_CURRENT_LIST_DIR}" -B "${FOLDER}/${name}"
+              "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_PREFIX_PATH=${FOLDER}/prefix")
+  foreach(package ${ARGN})
+    list(APPEND command -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+  endforeach()
+  execute_process(COMMAND ${command} "-DCOMPONENTS=${components}"
+                  RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
+endmacro()
+
+function(build_and_run name components)
+  configure(${name} "${components}" ${ARGN})
+  if(code)
+    message(FATAL_ERROR "configuring for ${components}\n${output}")
+  endif()
+  run("${CMAKE_COMMAND}" --build "${FOLDER}/${name}" --parallel 2)
+  run("${FOLDER}/${name}/first_use")
+  foreach(component IN LISTS components)
+    run("${FOLDER}/${name}/links_${component}")
+  endforeach()
+endfunction()
+
+file(REMOVE_RECURSE "${FOLDER}")
+run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${FOLDER}/prefix")
+
+# A reduced run needs Eigen only.
+build_and_run(reduced "core;contact_dense;rom" SUNDIALS SuiteSparse GSL nlohmann_json GTest)
+build_and_run(all "${COMPONENTS}")
+
+configure(refused "contact" SuiteSparse)
+if(NOT code OR NOT output MATCHES "SuiteSparse")
+  message(FATAL_ERROR "a missing SuiteSparse is not named:\n${output}")
+endif()
