@@ -1,0 +1,45 @@
+// A contact problem that depends on parameters gamma.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tact/lib/contact_problem.hpp"
+
+namespace tact {
+
+using Parameter = Vector;
+
+/// A parametrised contact problem. `at` returns problems that share the storage of whatever does not depend on
+/// gamma, so that a ContactWorkspace keeps their factors from one parameter to the next.
+class ContactFamily {
+public:
+    virtual ~ContactFamily() = default;
+
+    /// One name a parameter, and the box the family is meant for.
+    virtual std::vector<std::string> names() const = 0;
+    virtual Parameter lower() const = 0;
+    virtual Parameter upper() const = 0;
+
+    virtual ContactProblem at(const Parameter& gamma) const = 0;
+    /// c_i(gamma) on selected rows, without building the problem. Only for gaps constant in time.
+    virtual void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const = 0;
+};
+
+/// One problem as a family without parameters.
+class SingleProblem final : public ContactFamily {
+public:
+    explicit SingleProblem(ContactProblem problem) : problem_(std::move(problem)) {}
+    std::vector<std::string> names() const override { return {}; }
+    Parameter lower() const override { return {}; }
+    Parameter upper() const override { return {}; }
+    ContactProblem at(const Parameter&) const override { return problem_; }
+    void gap(const Parameter&, std::span<const Index> rows, VectorRef out) const override;
+
+private:
+    ContactProblem problem_;
+};
+
+}  // namespace tact

@@ -1,0 +1,43 @@
+#include "tact/lib/contact_solver.hpp"
+
+#include "tact/lib/linear_solver.hpp"
+
+namespace tact {
+namespace {
+
+class PreparedLinear final : public PreparedContact {
+public:
+    PreparedLinear(const Matrix& A, const Matrix& B, const LinearSolver& linear)
+        : factor_(linear.factorize(A)), certificate_(A, B), solution_(A.rows()), none_(0) {}
+
+    ContactReport solve(const ConstVectorRef& b, const ConstVectorRef&, ContactPoint point) override {
+        solution_ = b;
+        factor_->solve(solution_);
+        ContactReport report;
+        report.strategy = "linear";
+        report.kkt = certificate_(b, none_, solution_, none_);
+        if (!solution_.allFinite())
+            report.outcome = Outcome::inaccurate;
+        else
+            point.u = solution_;
+        return report;
+    }
+
+private:
+    std::unique_ptr<const Factor> factor_;
+    KktCertificate certificate_;
+    Vector solution_;
+    Vector none_;
+};
+
+}  // namespace
+
+WithoutContact::WithoutContact(std::shared_ptr<const LinearSolver> linear) : linear_(std::move(linear)) {}
+
+std::unique_ptr<PreparedContact> WithoutContact::prepare(const Matrix& A, const Matrix& B) const {
+    if (B.rows() > 0)
+        throw InputError("WithoutContact: B is " + B.shape() + ", expected no rows; use a contact solver");
+    return std::make_unique<PreparedLinear>(A, B, *linear_);
+}
+
+}  // namespace tact

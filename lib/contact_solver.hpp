@@ -1,0 +1,62 @@
+// The seam to contact: a recipe, its prepared work on one (A, B), and the report of one solve.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "tact/lib/errors.hpp"
+#include "tact/lib/kkt.hpp"
+#include "tact/lib/matrix.hpp"
+
+namespace tact {
+
+/// Where the solution goes; on entry the guess it starts from. Both stay as they were when the solve fails.
+/// lambda = 0 is always a valid guess; u is only read by solvers that say so.
+struct ContactPoint {
+    VectorRef u;       ///< n
+    VectorRef lambda;  ///< m
+};
+
+/// How one contact solve ended, and the certificate of what it returned.
+struct [[nodiscard]] ContactReport {
+    Outcome outcome = Outcome::converged;
+    KktResiduals kkt;
+    int iterations = 0;             ///< of the active set
+    Index active = 0;               ///< rows with lambda > 0
+    bool set_repeated = false;      ///< an active set came back and the fall-back finished the solve
+    std::string_view strategy;      ///< a string with static lifetime: what solved it
+    std::string_view fallback = {};  ///< what finished it instead, if anything did
+};
+
+/// Contact solves with one (A, B) and many (b, c). Owns factors, symbolic analyses, cached columns and work space;
+/// knows no time. One thread at a time.
+class PreparedContact {
+public:
+    virtual ~PreparedContact() = default;
+    /// min 1/2 u'Au - u'b  s.t.  Bu >= c.
+    virtual ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) = 0;
+    /// Whether a good guess of u shortens the solve (an iterative inner solver), or is not even read.
+    virtual bool reads_guess() const { return false; }
+};
+
+/// An immutable recipe for contact solves.
+class ContactSolver {
+public:
+    virtual ~ContactSolver() = default;
+    /// InputError if A and B do not fit or are of a kind this recipe does not take; NumericalError if A is singular.
+    virtual std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const = 0;
+};
+
+class LinearSolver;
+
+/// The solver of a scene without contact: one factor, one solve a stage. InputError if B has rows.
+class WithoutContact final : public ContactSolver {
+public:
+    explicit WithoutContact(std::shared_ptr<const LinearSolver> linear);
+    std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;
+
+private:
+    std::shared_ptr<const LinearSolver> linear_;
+};
+
+}  // namespace tact

@@ -1,0 +1,18 @@
+#include "tact/lib/errors.hpp"
+
+namespace tact {
+
+std::string_view to_string(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::converged: return "converged";
+        case Outcome::iteration_limit: return "iteration limit";
+        case Outcome::cycling: return "cycling";
+        case Outcome::infeasible: return "infeasible";
+        case Outcome::unbounded: return "unbounded";
+        case Outcome::inaccurate: return "inaccurate";
+        case Outcome::stopped: return "stopped";
+    }
+    return "unknown";
+}
+
+}  // namespace tact

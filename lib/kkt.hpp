@@ -1,0 +1,46 @@
+// The one definition of the KKT residual: what every accepted step carries.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "tact/lib/matrix.hpp"
+
+namespace tact {
+
+/// Scaled KKT residuals of  min 1/2 u'Au - u'b,  Bu >= c  at (u, lambda). Max norms, absolute values entrywise,
+/// 0/0 = 0, rows with c = -infinity skipped:
+///   stationarity     |Au - b - B'lambda| / (|A||u| + |b| + |B'||lambda|)
+///   penetration      max(c - Bu, 0) / max(|B||u| + |c|)
+///   negativity       max(-lambda, 0) / max|lambda|
+///   complementarity  max_i min(gap_i / max(|B||u| + |c|), lambda_i / max|lambda|)
+struct KktResiduals {
+    double stationarity = 0;
+    double penetration = 0;
+    double negativity = 0;
+    double complementarity = 0;
+    /// The largest of the four; NaN counts as infinity.
+    double largest() const;
+};
+
+/// Evaluates KktResiduals for one (A, B) and many (b, c, u, lambda), from the data alone: it shares no code with any
+/// solver. Owns its own row-wise copy of A when A is sparse, and its work space.
+class KktCertificate {
+public:
+    KktCertificate(const Matrix& A, const Matrix& B);
+    ~KktCertificate();
+    KktCertificate(KktCertificate&&) noexcept;
+    KktCertificate& operator=(KktCertificate&&) noexcept;
+
+    KktResiduals operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                            const ConstVectorRef& lambda) const;
+
+private:
+    struct Work;
+    std::unique_ptr<Work> work_;
+};
+
+KktResiduals kkt_residuals(const Matrix& A, const Matrix& B, const Vector& b, const Vector& c, const Vector& u,
+                           const Vector& lambda);
+
+}  // namespace tact

@@ -1,0 +1,34 @@
+// The seam to linear algebra: a recipe that factorises, and a factor that solves.
+#pragma once
+
+#include <memory>
+
+#include "tact/lib/matrix.hpp"
+
+namespace tact {
+
+/// A factorisation of one matrix. A factor belongs to one thread at a time (it owns its work space).
+class Factor {
+public:
+    virtual ~Factor() = default;
+    virtual Index size() const = 0;
+    /// B := A^-1 B in place, column by column; B has size() rows.
+    virtual void solve(Eigen::Ref<DenseMatrix> B) const = 0;
+};
+
+/// A recipe for factorising. Throws NumericalError that names the matrix if it is singular (or, for a Cholesky
+/// factor, not positive definite).
+class LinearSolver {
+public:
+    virtual ~LinearSolver() = default;
+    virtual std::unique_ptr<const Factor> factorize(const Matrix& A) const = 0;
+};
+
+/// Eigen's dense and diagonal factors: everything a reduced problem needs. Cholesky if A is symmetric, else LU with
+/// partial pivoting. InputError on a sparse matrix.
+class DenseLinearSolver final : public LinearSolver {
+public:
+    std::unique_ptr<const Factor> factorize(const Matrix& A) const override;
+};
+
+}  // namespace tact
