@@ -31,6 +31,7 @@ function(build_and_run name components)
   endforeach()
 endfunction()
 
+string(REPLACE "," ";" COMPONENTS "${COMPONENTS}")
 file(REMOVE_RECURSE "${FOLDER}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${FOLDER}/prefix")
 
