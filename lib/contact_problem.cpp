@@ -70,7 +70,8 @@ void validate(const ContactProblem& p) {
     check_matrix("K", p.K, n, n);
     if (p.M) {
         check_matrix("M", *p.M, n, n);
-        if (!p.M->is_symmetric()) reject("M is " + p.M->shape() + " and not symmetric, expected a symmetric " + square(n));
+        if (!p.M->is_symmetric())
+            reject("M is " + p.M->shape() + " and not symmetric, expected a symmetric " + square(n));
     }
     if (p.D) check_matrix("D", *p.D, n, n);
     check_matrix("B", p.B, p.B.rows(), n);

@@ -21,10 +21,10 @@ struct ContactPoint {
 struct [[nodiscard]] ContactReport {
     Outcome outcome = Outcome::converged;
     KktResiduals kkt;
-    int iterations = 0;             ///< of the active set
-    Index active = 0;               ///< rows with lambda > 0
-    bool set_repeated = false;      ///< an active set came back and the fall-back finished the solve
-    std::string_view strategy;      ///< a string with static lifetime: what solved it
+    int iterations = 0;              ///< of the active set
+    Index active = 0;                ///< rows with lambda > 0
+    bool set_repeated = false;       ///< an active set came back and the fall-back finished the solve
+    std::string_view strategy;       ///< a string with static lifetime: what solved it
     std::string_view fallback = {};  ///< what finished it instead, if anything did
 };
 

@@ -9,8 +9,8 @@ TimeGrid TimeGrid::until(double t_end, double dt) {
     if (!(dt > 0) || !std::isfinite(dt)) throw InputError("TimeGrid: dt is " + std::to_string(dt) + ", expected > 0");
     const double steps = t_end / dt;
     if (!(steps >= 0) || std::abs(steps - std::round(steps)) > 1e-6)
-        throw InputError("TimeGrid: t_end is " + std::to_string(t_end) + ", expected a whole number of steps of dt = " +
-                         std::to_string(dt));
+        throw InputError("TimeGrid: t_end is " + std::to_string(t_end) +
+                         ", expected a whole number of steps of dt = " + std::to_string(dt));
     return {dt, std::lround(steps), 0};
 }
 

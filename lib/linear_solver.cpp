@@ -21,8 +21,7 @@ private:
     Vector inverse_;
 };
 
-template <class Decomposition>
-class DenseFactor final : public Factor {
+template <class Decomposition> class DenseFactor final : public Factor {
 public:
     explicit DenseFactor(Decomposition decomposition) : decomposition_(std::move(decomposition)) {}
     Index size() const override { return decomposition_.rows(); }

@@ -7,12 +7,8 @@
 namespace tact {
 namespace {
 
-template <class... F>
-struct Overload : F... {
-    using F::operator()...;
-};
-template <class... F>
-Overload(F...) -> Overload<F...>;
+template <class... F> struct Overload : F... { using F::operator()...; };
+template <class... F> Overload(F...) -> Overload<F...>;
 
 void start_result(VectorRef y, double beta) {
     if (beta == 0)
@@ -149,36 +145,34 @@ DenseMatrix Matrix::to_dense() const {
 }
 
 bool Matrix::all_finite() const {
-    return std::visit(
-        Overload{[](const SparseMatrix& A) {
-                     return Eigen::Map<const Vector>(A.valuePtr(), A.nonZeros()).allFinite();
-                 },
-                 [](const DenseMatrix& A) { return A.allFinite(); },
-                 [](const Diagonal& d) { return d.entries.allFinite(); }},
-        *storage_);
+    return std::visit(Overload{[](const SparseMatrix& A) {
+                                   return Eigen::Map<const Vector>(A.valuePtr(), A.nonZeros()).allFinite();
+                               },
+                               [](const DenseMatrix& A) { return A.allFinite(); },
+                               [](const Diagonal& d) { return d.entries.allFinite(); }},
+                      *storage_);
 }
 
 bool Matrix::is_symmetric(double tolerance) const {
     if (rows_ != cols_) return false;
-    return std::visit(Overload{[&](const SparseMatrix& A) {
-                                   if (A.nonZeros() == 0) return true;
-                                   const SparseMatrix At = A.transpose();
-                                   const SparseMatrix skew = A - At;
-                                   const auto largest = [](const SparseMatrix& S) {
-                                       return S.nonZeros() == 0 ? 0.0
-                                                                : Eigen::Map<const Vector>(S.valuePtr(), S.nonZeros())
-                                                                      .cwiseAbs()
-                                                                      .maxCoeff();
-                                   };
-                                   return largest(skew) <= tolerance * largest(A);
-                               },
-                               [&](const DenseMatrix& A) {
-                                   if (A.size() == 0) return true;
-                                   return (A - A.transpose()).cwiseAbs().maxCoeff() <=
-                                          tolerance * A.cwiseAbs().maxCoeff();
-                               },
-                               [](const Diagonal&) { return true; }},
-                      *storage_);
+    return std::visit(
+        Overload{[&](const SparseMatrix& A) {
+                     if (A.nonZeros() == 0) return true;
+                     const SparseMatrix At = A.transpose();
+                     const SparseMatrix skew = A - At;
+                     const auto largest = [](const SparseMatrix& S) {
+                         return S.nonZeros() == 0
+                                    ? 0.0
+                                    : Eigen::Map<const Vector>(S.valuePtr(), S.nonZeros()).cwiseAbs().maxCoeff();
+                     };
+                     return largest(skew) <= tolerance * largest(A);
+                 },
+                 [&](const DenseMatrix& A) {
+                     if (A.size() == 0) return true;
+                     return (A - A.transpose()).cwiseAbs().maxCoeff() <= tolerance * A.cwiseAbs().maxCoeff();
+                 },
+                 [](const Diagonal&) { return true; }},
+        *storage_);
 }
 
 std::string Matrix::shape() const {

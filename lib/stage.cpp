@@ -46,8 +46,7 @@ std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem
     if (p.M && a != 0) A = combine(a * a, *p.M, 1, A);
     std::shared_ptr<PreparedContact> contact = solver_->prepare(A, p.B);
     if (entries_.size() == capacity_) entries_.pop_back();
-    entries_.insert(entries_.begin(),
-                    std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, a, std::move(contact)}));
+    entries_.insert(entries_.begin(), std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, a, std::move(contact)}));
     return entries_.front()->contact;
 }
 

@@ -11,8 +11,7 @@ namespace tact {
 namespace {
 
 [[noreturn]] void cannot_write(const std::filesystem::path& path, const std::string& why) {
-    throw InputError("write_file: path is " + path.string() + ", expected one that can be written (" + why +
-                     ")");
+    throw InputError("write_file: path is " + path.string() + ", expected one that can be written (" + why + ")");
 }
 
 /// Takes the part file away again unless it was renamed.

@@ -8,8 +8,7 @@
 namespace tact {
 
 Mesh Mesh::unit_square(Index n, std::vector<double> elevations) {
-    if (n < 3)
-        throw InputError("Mesh: n is " + std::to_string(n) + ", expected at least 3 interior nodes a side");
+    if (n < 3) throw InputError("Mesh: n is " + std::to_string(n) + ", expected at least 3 interior nodes a side");
     if (elevations.empty()) throw InputError("Mesh: elevations is empty, expected one a body");
     Mesh mesh;
     mesh.n = n;

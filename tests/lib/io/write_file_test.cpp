@@ -14,8 +14,7 @@ class WriteFile : public testing::Test {
 protected:
     void SetUp() override {
         const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ =
-            std::filesystem::path(testing::TempDir()) / (std::string("tact_write_file_") + test->name());
+        folder_ = std::filesystem::path(testing::TempDir()) / (std::string("tact_write_file_") + test->name());
         std::filesystem::remove_all(folder_);
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }

@@ -1,0 +1,20 @@
+// Picks a contact strategy from what A and B are.
+#pragma once
+
+#include "tact/lib/contact_solver.hpp"
+
+namespace tact {
+
+/// The chooser. In this order:
+///   A dense or diagonal, or at most 300 unknowns, symmetric  -> DenseContact
+///   A unsymmetric                                            -> KluActiveSet
+///   condition estimate <= 20 and rows that do not overlap    -> ProjectedCg
+///   else                                                     -> SchurContact
+/// A strategy that ends without a solution is followed by SchurContact (symmetric A), which is finite; the report
+/// names both. The estimate takes 20 Lanczos steps on A scaled to unit diagonal.
+class AutomaticContact final : public ContactSolver {
+public:
+    std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;
+};
+
+}  // namespace tact

@@ -1,0 +1,107 @@
+#include "tact/contact/dense/dense_contact.hpp"
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "tact/contact/dense/goldfarb_idnani.hpp"
+#include "tact/lib/linear_solver.hpp"
+
+namespace tact {
+namespace {
+
+/// A violation counts above this fraction of the largest gap offset in energy units: two digits above rounding.
+constexpr double gap_tolerance = 1e-14;
+
+class PreparedDense final : public PreparedContact {
+public:
+    PreparedDense(const Matrix& A, const Matrix& B)
+        : certificate_(A, B), u_(A.rows()), g_(B.rows()), w_(B.rows()), multiplier_(B.rows()), lambda_(B.rows()) {
+        factor_ = DenseLinearSolver().factorize(A);
+        if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
+        const DenseMatrix dense_B = B.to_dense();
+        W_ = dense_B.transpose();
+        factor_->solve(W_);
+        // Rows of unit energy: the answer does not depend on how a row of B is scaled.
+        scale_ = (dense_B * W_).diagonal();
+        for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
+        B_ = scale_.asDiagonal() * dense_B;
+        W_ = W_ * scale_.asDiagonal();
+        S_ = B_ * W_;
+        S_ = (0.5 * (S_ + S_.transpose())).eval();
+    }
+
+    ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
+        ContactReport report;
+        report.strategy = "dense Goldfarb-Idnani";
+        if (inverse_.size() > 0) {
+            u_ = inverse_.cwiseProduct(b);
+        } else {
+            u_ = b;
+            factor_->solve(u_);
+        }
+        const Index m = g_.size();
+        if (m > 0) {
+            g_.noalias() = -(B_ * u_);
+            double size = g_.cwiseAbs().maxCoeff();
+            for (Index i = 0; i < m; ++i) {
+                const double ci = c[i] * scale_[i];
+                if (ci != -infinity) size = std::max(size, std::abs(ci));
+                g_[i] += ci;
+            }
+            const double tolerance = gap_tolerance * size;
+            if (g_.maxCoeff() > tolerance || (point.lambda.array() > 0).any()) {
+                multiplier_ = point.lambda.cwiseQuotient(scale_);
+                const auto dual = dual_.solve(S_, g_, tolerance, multiplier_, w_);
+                report.iterations = dual.iterations;
+                report.outcome = dual.outcome;
+                if (dual.outcome != Outcome::converged) return report;
+                for (const Index i : dual_.factor().rows()) {
+                    if (multiplier_[i] == 0) continue;
+                    u_ += multiplier_[i] * W_.col(i);
+                    ++report.active;
+                }
+                lambda_ = multiplier_.cwiseProduct(scale_);
+            } else {
+                lambda_.setZero();
+            }
+        }
+        report.kkt = certificate_(b, c, u_, lambda_);
+        // NaN in b or c ends here, as does an A that is singular in all but name.
+        if (!(report.kkt.largest() <= acceptable)) {
+            report.outcome = Outcome::inaccurate;
+            return report;
+        }
+        point.u = u_;
+        point.lambda = lambda_;
+        return report;
+    }
+
+private:
+    static constexpr double acceptable = 1e-9;
+    KktCertificate certificate_;
+    std::unique_ptr<const Factor> factor_;
+    Vector inverse_;  // of A's diagonal, where it is diagonal
+    Vector scale_;
+    DenseMatrix B_, W_, S_;
+    GoldfarbIdnani dual_;
+    Vector u_, g_, w_, multiplier_, lambda_;
+};
+
+}  // namespace
+
+std::unique_ptr<PreparedContact> DenseContact::prepare(const Matrix& A, const Matrix& B) const {
+    if (A.rows() != A.cols() || B.cols() != A.rows())
+        throw InputError("DenseContact: A is " + A.shape() + " and B is " + B.shape() +
+                         ", expected a square A and as many columns in B");
+    if (!A.is_symmetric()) throw InputError("DenseContact: A is " + A.shape() + " and not symmetric");
+    if (A.sparse()) {
+        if (A.rows() > 2000)
+            throw InputError("DenseContact: A is " + A.shape() +
+                             ", expected dense, diagonal or at most 2000 unknowns");
+        return std::make_unique<PreparedDense>(Matrix(A.to_dense()), B);
+    }
+    return std::make_unique<PreparedDense>(A, B);
+}
+
+}  // namespace tact

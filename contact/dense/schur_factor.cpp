@@ -1,0 +1,115 @@
+#include "tact/contact/dense/schur_factor.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace tact {
+
+void SchurFactor::reserve(Index k) {
+    if (L_.rows() >= k) return;
+    const Index capacity = std::max<Index>(16, std::max(k, 2 * L_.rows()));
+    L_.conservativeResize(capacity, capacity);
+    work_.resize(capacity);
+}
+
+void SchurFactor::solve_lower(VectorRef x) const {
+    const Index k = size();
+    if (k > 64) {
+        L_.topLeftCorner(k, k).triangularView<Eigen::Lower>().solveInPlace(x.head(k));
+        return;
+    }
+    for (Index j = 0; j < k; ++j) {
+        const double* column = L_.col(j).data();
+        const double xj = x[j] /= column[j];
+        for (Index i = j + 1; i < k; ++i) x[i] -= xj * column[i];
+    }
+}
+
+void SchurFactor::solve_upper(VectorRef x) const {
+    const Index k = size();
+    if (k > 64) {
+        L_.topLeftCorner(k, k).triangularView<Eigen::Lower>().transpose().solveInPlace(x.head(k));
+        return;
+    }
+    for (Index j = k - 1; j >= 0; --j) {
+        const double* column = L_.col(j).data();
+        double sum = x[j];
+        for (Index i = j + 1; i < k; ++i) sum -= column[i] * x[i];
+        x[j] = sum / column[j];
+    }
+}
+
+void SchurFactor::solve(VectorRef x) const {
+    solve_lower(x);
+    solve_upper(x);
+}
+
+double SchurFactor::pivot(const DenseMatrix& S, Index q, VectorRef l) const {
+    const Index k = size();
+    for (Index i = 0; i < k; ++i) l[i] = S(rows_[static_cast<std::size_t>(i)], q);
+    solve_lower(l.head(k));
+    return S(q, q) - l.head(k).squaredNorm();
+}
+
+void SchurFactor::append(Index q, const ConstVectorRef& l, double pivot) {
+    const Index k = size();
+    reserve(k + 1);
+    L_.row(k).head(k) = l.head(k).transpose();
+    L_(k, k) = std::sqrt(pivot);
+    rows_.push_back(q);
+}
+
+bool SchurFactor::append(const DenseMatrix& S, Index q) {
+    reserve(size() + 1);
+    const double p = pivot(S, q, work_);
+    if (!(p > dependence * S(q, q))) return false;
+    append(q, work_, p);
+    return true;
+}
+
+void SchurFactor::remove(Index place) {
+    const Index k = size();
+    for (Index j = 0; j < k; ++j) {
+        double* column = L_.col(j).data();
+        for (Index i = std::max(j, place + 1); i < k; ++i) column[i - 1] = column[i];
+    }
+    // The rows moved up carry one entry right of the diagonal, at (i, i + 1): rotate it away, column by column.
+    // After the shift column j still holds at [j-1] the entry that was its diagonal.
+    for (Index j = place; j + 1 < k; ++j) {
+        double* left = L_.col(j).data();
+        double* right = L_.col(j + 1).data();
+        const double a = left[j], b = right[j];
+        const double r = std::hypot(a, b);
+        const double c = a / r, s = b / r;
+        left[j] = r;
+        for (Index i = j + 1; i < k - 1; ++i) {
+            const double x = left[i], y = right[i];
+            left[i] = c * x + s * y;
+            right[i] = c * y - s * x;
+        }
+    }
+    rows_.erase(rows_.begin() + place);
+}
+
+void SchurFactor::rebuild(const DenseMatrix& S, std::span<const Index> rows) {
+    const Index k = static_cast<Index>(rows.size());
+    rows_.clear();
+    reserve(k);
+    if (k > 48) {
+        for (Index j = 0; j < k; ++j)
+            for (Index i = j; i < k; ++i)
+                L_(i, j) = S(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+        const Vector diagonal = L_.diagonal().head(k);
+        Eigen::Ref<DenseMatrix> block = L_.topLeftCorner(k, k);
+        Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(block);
+        if (llt.info() == Eigen::Success &&
+            (L_.diagonal().head(k).array().square() > dependence * diagonal.array()).all()) {
+            rows_.assign(rows.begin(), rows.end());
+            return;
+        }
+    }
+    for (const Index q : rows) append(S, q);
+}
+
+}  // namespace tact

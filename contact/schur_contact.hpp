@@ -1,0 +1,31 @@
+// One factor of A for ever; contact on the dense block of B A^-1 B' that has been touched so far.
+#pragma once
+
+#include "tact/lib/contact_solver.hpp"
+
+namespace tact {
+
+class LinearSolver;
+
+/// For constant symmetric A and few touched rows: static problems asked again and again, marches with sustained
+/// contact. Rows enter a pool the first time they are violated; each costs one solve, ever. A solve is: free
+/// solution, primal-dual active set on the pool, back-substitution, and a check of every row outside the pool; the
+/// pool only grows within a solve, so it ends. Any B.
+struct SchurOptions {
+    /// Rows of the pool at most; beyond it the rows that are not in contact are forgotten. 8 * pool^2 bytes.
+    Index largest_pool = 6000;
+};
+
+class SchurContact final : public ContactSolver {
+public:
+    using Options = SchurOptions;
+    /// `linear`: factors A; CHOLMOD by default.
+    explicit SchurContact(Options options = {}, std::shared_ptr<const LinearSolver> linear = nullptr);
+    std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;
+
+private:
+    Options options_;
+    std::shared_ptr<const LinearSolver> linear_;
+};
+
+}  // namespace tact

@@ -1,0 +1,97 @@
+#include "tact/integrators/bdf2.hpp"
+
+#include <utility>
+
+#include "tact/integrators/sundials/stage_hook.hpp"
+#include "tact/integrators/sundials/vector.hpp"
+
+namespace tact {
+namespace {
+
+class Bdf2Run final : public Run {
+public:
+    Bdf2Run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace)
+        : grid_(grid),
+          stages_(problem, workspace),
+          now_(problem, grid.t0),
+          next_(now_),
+          before_(now_.y),
+          history_(Vector::Zero(now_.y.size())),
+          now_view_(context_, now_.y),
+          next_view_(context_, next_.y),
+          before_view_(context_, before_),
+          history_view_(context_, history_),
+          hook_(context_, stages_, next_, &Bdf2Run::position) {}
+
+    const State& state() const override { return now_; }
+
+    StepReport advance() override {
+        const long step = now_.step + 1;
+        const double dt = grid_.dt;
+        // y' = a y + b:  b = -y_n / dt,  or  (y_n-1 - 4 y_n) / (2 dt)
+        if (now_.step == 0) {
+            a_ = 1 / dt;
+            N_VLinearSum(-1 / dt, now_view_.get(), 0, now_view_.get(), history_view_.get());
+        } else {
+            a_ = 1.5 / dt;
+            N_VLinearSum(-2 / dt, now_view_.get(), 0.5 / dt, before_view_.get(), history_view_.get());
+        }
+        next_.lambda = now_.lambda;
+        if (stages_.reads_guess()) guess();
+        t_ = grid_.t(step);
+        SUNNonlinSolSolve(hook_.get(), nullptr, next_view_.get(), nullptr, 0, SUNFALSE, this);
+        hook_.rethrow();
+        const StepReport report{t_, step, hook_.report().outcome, hook_.report()};
+        if (report.outcome != Outcome::converged) return report;
+        next_.step = step;
+        if (stages_.reads_guess()) earlier_ = before_.head(now_.n);
+        // n-1 <- n <- n+1, storage and views together
+        before_.swap(now_.y);
+        swap(before_view_, now_view_);
+        now_.y.swap(next_.y);
+        swap(now_view_, next_view_);
+        now_.lambda.swap(next_.lambda);
+        now_.t = next_.t;
+        now_.step = step;
+        return report;
+    }
+
+private:
+    static int position(void* memory, sundials::StageHook::Position& p) {
+        auto& run = *static_cast<Bdf2Run*>(memory);
+        p = {run.t_, run.a_, run.history_view_.get(), nullptr};
+        return 0;
+    }
+
+    /// Extrapolation in time, quadratic as soon as there are three states: what an iterative solver starts from.
+    void guess() {
+        if (now_.step >= 2)
+            next_.u() = 3 * now_.u() - 3 * before_.head(now_.n) + earlier_;
+        else
+            next_.u() = now_.u() + grid_.dt * now_.v();
+    }
+
+    TimeGrid grid_;
+    sundials::Context context_;
+    StageSolver stages_;
+    State now_, next_;
+    Vector before_, history_, earlier_;
+    sundials::VectorView now_view_, next_view_, before_view_, history_view_;
+    sundials::StageHook hook_;
+    double t_ = 0;
+    double a_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Run> Bdf2::start(const ContactProblem& problem, const TimeGrid& grid,
+                                 ContactWorkspace& workspace) const {
+    if (problem.is_static())
+        throw InputError("Bdf2: the problem has neither M nor D, expected one; use solve_static");
+    if (problem.u0.size() != problem.size())
+        throw InputError("Bdf2: u0 is " + std::to_string(problem.u0.size()) + "x1, expected " +
+                         std::to_string(problem.size()) + "x1");
+    return std::make_unique<Bdf2Run>(problem, grid, workspace);
+}
+
+}  // namespace tact

@@ -1,0 +1,19 @@
+// CHOLMOD behind the LinearSolver seam: symmetric positive definite sparse matrices.
+#pragma once
+
+#include "tact/lib/linear_solver.hpp"
+
+namespace tact {
+
+/// Supernodal sparse Cholesky factorisation (CHOLMOD; its supernodal part is GPL). A matrix whose diagonal falls into
+/// identical contiguous blocks (two equal bodies) is factored once and solved for all blocks together.
+/// InputError unless A is square and symmetric; NumericalError "not positive definite" with the column.
+class CholmodSolver final : public LinearSolver {
+public:
+    std::unique_ptr<const Factor> factorize(const Matrix& A) const override;
+};
+
+/// Number of identical contiguous diagonal blocks of A (same pattern and values): 1 if there is no such structure.
+Index identical_blocks(const SparseMatrix& A);
+
+}  // namespace tact

@@ -1,0 +1,40 @@
+// KLU: sparse LU for matrices that are not symmetric, and for one fixed pattern whose values change.
+#pragma once
+
+#include "tact/lib/linear_solver.hpp"
+
+namespace tact {
+
+/// Sparse LU with partial pivoting. NumericalError if A is singular.
+class KluSolver final : public LinearSolver {
+public:
+    std::unique_ptr<const Factor> factorize(const Matrix& A) const override;
+};
+
+/// One symbolic analysis for a pattern; its values may change and are refactored with the pivots found first. Falls
+/// back to fresh pivots when those have become bad (reciprocal condition estimate), so it is safe for any values.
+class KluRefactorable {
+public:
+    explicit KluRefactorable(SparseMatrix A);
+    ~KluRefactorable();
+    KluRefactorable(const KluRefactorable&) = delete;
+    KluRefactorable& operator=(const KluRefactorable&) = delete;
+
+    /// The values to change before refactor(), in the pattern's order.
+    SparseMatrix& matrix() { return A_; }
+    const SparseMatrix& matrix() const { return A_; }
+    /// false if the matrix is singular with fresh pivots too.
+    [[nodiscard]] bool refactor();
+    /// b := A^-1 b.
+    void solve(VectorRef b) const;
+    long full_factorisations() const { return full_factorisations_; }
+
+private:
+    bool factor_anew();
+    struct Library;
+    SparseMatrix A_;
+    std::unique_ptr<Library> klu_;
+    long full_factorisations_ = 0;
+};
+
+}  // namespace tact
