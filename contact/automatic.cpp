@@ -1,5 +1,6 @@
 #include "tact/contact/automatic.hpp"
 
+#include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/projected_cg.hpp"
@@ -11,7 +12,7 @@ namespace tact {
 namespace {
 
 constexpr Index small_size = 300;
-/// Up to here about 20 CG iterations reach rounding, less than one back-substitution costs.
+/// Up to here some 20 sweeps or CG iterations reach rounding: less than a factor's back-substitutions cost.
 constexpr double well_conditioned = 20;
 
 class WithFallback final : public PreparedContact {
@@ -49,9 +50,14 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
     if (symmetric && (!A.sparse() || A.rows() <= small_size) && B.rows() <= 4 * small_size)
         return DenseContact().prepare(A, B);
     if (!symmetric) return KluActiveSet().prepare(A, B);
-    if ((A.main_diagonal().array() > 0).all() && B.rows() > 0 && ConstraintRows(B).disjoint() &&
-        scaled_spectrum(A).condition() <= well_conditioned)
-        return std::make_unique<WithFallback>(A, B, ProjectedCg().prepare(A, B));
+    const ConstraintRows rows(B);
+    if ((A.main_diagonal().array() > 0).all() && B.rows() > 0 && (rows.bounds() || rows.disjoint()) &&
+        scaled_spectrum(A).condition() <= well_conditioned) {
+        const ColourSor sor;
+        const ProjectedCg cg;
+        const ContactSolver& solver = rows.bounds() ? static_cast<const ContactSolver&>(sor) : cg;
+        return std::make_unique<WithFallback>(A, B, solver.prepare(A, B));
+    }
     return SchurContact().prepare(A, B);
 }
 

@@ -8,6 +8,7 @@ namespace tact {
 /// The chooser. In this order:
 ///   A dense or diagonal, or at most 300 unknowns, symmetric  -> DenseContact
 ///   A unsymmetric                                            -> KluActiveSet
+///   condition estimate <= 20 and bounds                      -> ColourSor
 ///   condition estimate <= 20 and rows that do not overlap    -> ProjectedCg
 ///   else                                                     -> SchurContact
 /// A strategy that ends without a solution is followed by SchurContact (symmetric A), which is finite; the report

@@ -24,4 +24,10 @@ ConstraintRows::ConstraintRows(const Matrix& B) {
     weight_.push_back(0);
 }
 
+bool ConstraintRows::bounds() const {
+    for (Index i = 0; i < rows(); ++i)
+        if (columns(i).size() != 1) return false;
+    return true;
+}
+
 }  // namespace tact

@@ -29,6 +29,8 @@ public:
     }
     /// No unknown is in two rows, and no row is empty: bounds, node-to-node pairs.
     bool disjoint() const { return disjoint_; }
+    /// Every row has exactly one entry.
+    bool bounds() const;
 
 private:
     std::size_t at(Index row) const { return start_[static_cast<std::size_t>(row)]; }

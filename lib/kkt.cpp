@@ -12,10 +12,23 @@ double ratio(double numerator, double denominator) {
     return numerator / denominator;
 }
 
-/// Rows of a matrix for two products in one pass: y = A x and z = |A||x|.
+/// Max of non-negative entries, 0 of none; NaN counts as infinity.
+template <class Expression> double size_of(const Expression& x) {
+    if (x.size() == 0) return 0;
+    const double largest = x.template maxCoeff<Eigen::PropagateNaN>();
+    return std::isnan(largest) ? infinity : largest;
+}
+
+/// Rows of a matrix for two products in one pass: y = A x and z = |A||x|. Sparse rows are taken in blocks; where a block
+/// has few distinct offsets column - row (any mesh numbered along its lines) it is stored by diagonals, whose products
+/// vectorise, else row by row.
 class Rows {
 public:
     explicit Rows(const Matrix& A) : source_(A) {
+        if (const DenseMatrix* dense = A.dense()) {
+            absolute_ = dense->cwiseAbs();
+            transposed_ = dense->transpose();
+        }
         const SparseMatrix* S = A.sparse();
         if (!S) return;
         start_.assign(static_cast<std::size_t>(A.rows()) + 1, 0);
@@ -30,30 +43,25 @@ public:
                 column_[slot] = static_cast<int>(j);
                 value_[slot] = S->valuePtr()[k];
             }
+        for (Index first = 0; first < A.rows(); first += block_rows) find_diagonals(first);
     }
 
     void multiply(const ConstVectorRef& x, VectorRef y, VectorRef z) const {
         if (const DenseMatrix* A = source_.dense()) {
-            y.setZero();
-            z.setZero();
-            for (Index j = 0; j < A->cols(); ++j) {
-                y += x[j] * A->col(j);
-                z += std::abs(x[j]) * A->col(j).cwiseAbs();
-            }
+            y.noalias() = *A * x;
+            size_ = x.cwiseAbs();
+            z.noalias() = absolute_ * size_;
         } else if (const Vector* d = source_.diagonal_entries()) {
             y = d->cwiseProduct(x);
             z = y.cwiseAbs();
         } else {
-            for (Index i = 0; i < source_.rows(); ++i) {
-                double sum = 0, absolute = 0;
-                const auto end = start_[static_cast<std::size_t>(i) + 1];
-                for (auto k = start_[static_cast<std::size_t>(i)]; k < end; ++k) {
-                    const double term = value_[static_cast<std::size_t>(k)] * x[column_[static_cast<std::size_t>(k)]];
-                    sum += term;
-                    absolute += std::abs(term);
-                }
-                y[i] = sum;
-                z[i] = absolute;
+            for (std::size_t block = 0; block < diagonals_.size(); ++block) {
+                const Index first = static_cast<Index>(block) * block_rows;
+                const Index count = std::min(block_rows, source_.rows() - first);
+                if (diagonals_[block].empty())
+                    multiply_rows(first, count, x.data(), y.data(), z.data());
+                else
+                    multiply_diagonals(diagonals_[block], first, count, x.data(), y.data(), z.data());
             }
         }
     }
@@ -62,9 +70,9 @@ public:
     void subtract_transposed(const ConstVectorRef& x, VectorRef y, VectorRef z) const {
         for (Index i = 0; i < source_.rows(); ++i) {
             if (x[i] == 0) continue;
-            if (const DenseMatrix* A = source_.dense()) {
-                y -= x[i] * A->row(i).transpose();
-                z += std::abs(x[i]) * A->row(i).transpose().cwiseAbs();
+            if (source_.dense()) {
+                y -= x[i] * transposed_.col(i);
+                z += std::abs(x[i]) * transposed_.col(i).cwiseAbs();
             } else if (const Vector* d = source_.diagonal_entries()) {
                 y[i] -= (*d)[i] * x[i];
                 z[i] += std::abs((*d)[i] * x[i]);
@@ -80,9 +88,78 @@ public:
     }
 
 private:
+    static constexpr Index block_rows = 512;
+
+    struct Diagonal {
+        Index offset;                // column - row
+        Index first = 0, count = 0;  // rows of the block where it is inside the matrix
+        std::vector<double> values;
+    };
+
+    std::size_t begin_of(Index row) const { return static_cast<std::size_t>(start_[static_cast<std::size_t>(row)]); }
+
+    void find_diagonals(Index first) {
+        const Index count = std::min(block_rows, source_.rows() - first);
+        diagonals_.emplace_back();
+        auto& diagonals = diagonals_.back();
+        const auto entries = begin_of(first + count) - begin_of(first);
+        for (Index i = first; i < first + count; ++i)
+            for (auto k = begin_of(i); k < begin_of(i + 1); ++k) {
+                const Index offset = column_[k] - i;
+                auto found = std::find_if(diagonals.begin(), diagonals.end(),
+                                          [&](const Diagonal& d) { return d.offset == offset; });
+                if (found == diagonals.end()) {
+                    // Zeros are multiplied too: not worth it beyond twice the work.
+                    if ((diagonals.size() + 1) * static_cast<std::size_t>(count) > 2 * entries + 512) {
+                        diagonals.clear();
+                        return;
+                    }
+                    const Index low = std::max<Index>(0, -offset - first);
+                    const Index high = std::min(count, source_.cols() - offset - first);
+                    diagonals.push_back(
+                        {offset, low, high - low, std::vector<double>(static_cast<std::size_t>(high - low))});
+                    found = diagonals.end() - 1;
+                }
+                found->values[static_cast<std::size_t>(i - first - found->first)] += value_[k];
+            }
+    }
+
+    static void multiply_diagonals(const std::vector<Diagonal>& diagonals, Index first, Index count, const double* x,
+                                   double* y, double* z) {
+        std::fill_n(y + first, count, 0.0);
+        std::fill_n(z + first, count, 0.0);
+        for (const Diagonal& d : diagonals) {
+            double* __restrict sum = y + first + d.first;
+            double* __restrict size = z + first + d.first;
+            const double* __restrict value = d.values.data();
+            const double* __restrict operand = x + first + d.first + d.offset;
+            for (Index i = 0; i < d.count; ++i) {
+                const double term = value[i] * operand[i];
+                sum[i] += term;
+                size[i] += std::abs(term);
+            }
+        }
+    }
+
+    void multiply_rows(Index first, Index count, const double* x, double* y, double* z) const {
+        for (Index i = first; i < first + count; ++i) {
+            double sum = 0, size = 0;
+            for (auto k = begin_of(i); k < begin_of(i + 1); ++k) {
+                const double term = value_[k] * x[column_[k]];
+                sum += term;
+                size += std::abs(term);
+            }
+            y[i] = sum;
+            z[i] = size;
+        }
+    }
+
     Matrix source_;
     std::vector<int> start_, column_;
     std::vector<double> value_;
+    std::vector<std::vector<Diagonal>> diagonals_;  // by block; none: row by row
+    DenseMatrix absolute_, transposed_;             // of a dense matrix
+    mutable Vector size_;
 };
 
 }  // namespace
@@ -90,7 +167,7 @@ private:
 double KktResiduals::largest() const {
     double worst = 0;
     for (const double r : {stationarity, penetration, negativity, complementarity})
-        worst = std::isnan(r) ? std::numeric_limits<double>::infinity() : std::max(worst, r);
+        worst = std::isnan(r) ? infinity : std::max(worst, r);
     return worst;
 }
 
@@ -111,17 +188,12 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     Work& w = *work_;
     w.A.multiply(u, w.force, w.force_scale);
     w.B.subtract_transposed(lambda, w.force, w.force_scale);
-    double residual = 0, force_scale = 0;
-    bool finite = true;
-    for (Index i = 0; i < w.force.size(); ++i) {
-        const double r = std::abs(w.force[i] - b[i]);
-        const double s = w.force_scale[i] + std::abs(b[i]);
-        finite &= std::isfinite(s);
-        residual = std::max(residual, r);
-        force_scale = std::max(force_scale, s);
-    }
+    const auto residuals = (w.force - b).cwiseAbs();
+    const double residual = size_of(residuals);
+    const double force_scale = size_of(w.force_scale + b.cwiseAbs());
+    const bool finite = std::isfinite(force_scale);
     KktResiduals kkt;
-    kkt.stationarity = finite ? ratio(residual, force_scale) : std::numeric_limits<double>::infinity();
+    kkt.stationarity = finite ? ratio(residual, force_scale) : infinity;
     const Index m = w.gap.size();
     if (m == 0) return kkt;
 
@@ -130,9 +202,9 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     for (Index i = 0; i < m; ++i) {
         multiplier_scale = std::max(multiplier_scale, std::abs(lambda[i]));
         negativity = std::max(negativity, -lambda[i]);
-        if (c[i] == -std::numeric_limits<double>::infinity()) {
+        if (c[i] == -infinity) {
             // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
-            if (lambda[i] != 0) kkt.complementarity = std::numeric_limits<double>::infinity();
+            if (lambda[i] != 0) kkt.complementarity = infinity;
             continue;
         }
         w.gap[i] -= c[i];
@@ -143,7 +215,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     kkt.negativity = ratio(negativity, multiplier_scale);
     if (multiplier_scale > 0 && gap_scale > 0)
         for (Index i = 0; i < m; ++i)
-            if (lambda[i] > 0 && c[i] != -std::numeric_limits<double>::infinity())
+            if (lambda[i] > 0 && c[i] != -infinity)
                 kkt.complementarity =
                     std::max(kkt.complementarity, std::min(w.gap[i] / gap_scale, lambda[i] / multiplier_scale));
     return kkt;
