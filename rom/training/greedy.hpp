@@ -1,0 +1,109 @@
+// Greedy training of a reduced basis over a box of parameters.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "tact/lib/integrator.hpp"
+#include "tact/rom/reduce.hpp"
+#include "tact/rom/training/indicator.hpp"
+#include "tact/rom/training/nnmf.hpp"
+#include "tact/rom/training/pod_accumulator.hpp"
+#include "tact/rom/training/snapshots.hpp"
+
+namespace tact {
+
+/// How full and reduced problems are marched; without an integrator they are static, and the grid is not read.
+struct TrainingMethod {
+    std::shared_ptr<const Integrator> integrator;
+    TimeGrid grid;
+};
+
+/// The contact solvers of full and of reduced problems.
+struct TrainingContact {
+    std::shared_ptr<const ContactSolver> full;
+    std::shared_ptr<const ContactSolver> reduced;
+};
+
+struct BasisSizes {
+    Index p = 0;
+    Index p_lambda = 0;
+};
+/// The paper's growth for marches: p = p_lambda = 2 + 98 (N - 1) / 9 in integers; 100 after ten samples.
+BasisSizes paper_sizes(int samples);
+
+/// What becomes of the snapshots. `none`: U is their orthonormalised span and U_lambda their scaled multipliers, one
+/// column each (a snapshot without contact adds no dual one).
+enum class Compression { none, pod_and_nnmf };
+
+/// Where training is: `iteration` of at most `iterations`, and how far its stage has come, 0 to 1.
+struct TrainingProgress {
+    int iteration;
+    int iterations;
+    std::string_view stage;  ///< "full run", "POD", "NNMF", "candidates"
+    double fraction;
+};
+
+struct TrainingOptions {
+    std::vector<Parameter> candidates;  ///< not needed with `first` and one iteration, or without parameters
+    std::optional<Parameter> first;     ///< absent: the candidate nearest the centre of the box
+    int max_iterations = 10;
+    double epsilon = 0;  ///< stop when I(gamma_next) < epsilon I(gamma_2)
+    /// Absent: none in statics, else pod_and_nnmf.
+    std::optional<Compression> compression;
+    /// Basis sizes for so many samples; not read without compression. p must not exceed the number of snapshots
+    /// (InputError); p_lambda, which contact decides, is lowered to the number of those with contact.
+    std::function<BasisSizes(int samples)> sizes = paper_sizes;
+    SnapshotStrides strides;
+    IndicatorWeights weights;
+    long indicator_stride = 10;         ///< J: its multiples from 1 to the last step
+    std::vector<long> indicator_steps;  ///< J, instead, ascending
+    /// Stands in for the indicator, such as a true error from stored full runs.
+    std::function<double(const Parameter&, const ReducedBasis&, const ReducedStates&)> oracle;
+    PodAccumulatorOptions pod;  ///< max_vectors is raised to twice the largest p
+    NnmfOptions nnmf;           ///< its observer is called too
+    /// Called often enough for a progress bar; Flow::stop ends training after the step or sweep under way.
+    std::function<Flow(const TrainingProgress&)> observer;
+};
+
+enum class StopReason {
+    iterations,            ///< max_iterations samples
+    tolerance,             ///< the indicator fell below epsilon times its first value, or is zero
+    candidates_exhausted,  ///< all are sampled
+    full_run_failed,
+    reduced_run_failed,
+    stopped  ///< by the observer
+};
+std::string_view to_string(StopReason reason);
+
+/// One iteration of Algorithm 2.
+struct TrainingIteration {
+    Parameter gamma;                 ///< sampled
+    Index p = 0, p_lambda = 0;       ///< after modal_basis
+    MarchReport march;               ///< the full run (statics: only its outcome, `last` and residuals)
+    std::vector<double> residuals;   ///< of the NNMF
+    std::vector<double> indicators;  ///< of each candidate; NaN where already sampled. Empty without a scan.
+    double max_indicator = 0;        ///< I(gamma_next)
+    double seconds_full = 0, seconds_pod = 0, seconds_nnmf = 0, seconds_projection = 0, seconds_candidates = 0;
+};
+
+struct [[nodiscard]] TrainingResult {
+    Outcome outcome = Outcome::converged;  ///< of the run that failed, or stopped
+    StopReason reason = StopReason::iterations;
+    Parameter failed_gamma;                        ///< where a run failed
+    long failed_step = 0;                          ///< its step; 0 in statics
+    ReducedBasis basis;                            ///< modal; of the last iteration that completed one, else empty
+    std::shared_ptr<const ContactFamily> reduced;  ///< the family in that basis; the full family must outlive it
+    std::vector<TrainingIteration> history;
+};
+
+/// Algorithm 2, static or in time: sample the full problem, build U and U_lambda, run the reduced problem at all
+/// candidates, sample next where the indicator is largest; no candidate is sampled twice. A run that does not converge
+/// ends training with its outcome; the basis reached is kept. Seconds aside, the same input gives the same result.
+/// InputError for options that do not fit the family. (Balajewicz, Amsallem, Farhat, section 4; the stopping rule is
+/// printed reversed there.)
+TrainingResult train(const ContactFamily& family, const TrainingMethod& method, const TrainingContact& contact,
+                     const TrainingOptions& options);
+
+}  // namespace tact

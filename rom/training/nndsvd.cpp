@@ -1,0 +1,81 @@
+#include "tact/rom/training/nndsvd.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "tact/rom/orthonormal.hpp"
+#include "tact/rom/training/gram.hpp"
+
+namespace tact {
+namespace {
+
+constexpr Index exact_size = 400;    // a Gram matrix up to this size is decomposed outright
+constexpr Index oversampling = 12;   // columns beside those wanted
+constexpr int power_iterations = 3;  // separates singular values 2 % apart over `oversampling` columns well enough
+
+/// Numbers in (-1, 1) that are the same on every machine.
+DenseMatrix fixed_start(Index rows, Index cols) {
+    std::uint64_t state = 0x9e3779b97f4a7c15;
+    DenseMatrix X(rows, cols);
+    for (Index j = 0; j < cols; ++j)
+        for (Index i = 0; i < rows; ++i) {
+            state = state * 6364136223846793005u + 1442695040888963407u;
+            X(i, j) = static_cast<double>(state >> 11) * 0x1p-52 - 1;
+        }
+    return X;
+}
+
+/// Columns sigma_j u_j and v_j of the leading singular triples.
+struct SingularPairs {
+    DenseMatrix scaled_left, right;
+};
+
+SingularPairs leading_pairs(const DenseMatrix& X, Index rank) {
+    if (X.cols() <= exact_size) {
+        DenseMatrix V = gram_eigen(gram(X)).vectors.leftCols(std::min(rank, X.cols()));
+        return {X * V, std::move(V)};
+    }
+    DenseMatrix Q;
+    if (X.rows() <= exact_size) {
+        Q = gram_eigen(gram(X.transpose())).vectors.leftCols(std::min(rank, X.rows()));
+    } else {
+        Q = X * fixed_start(X.cols(), std::min(rank + oversampling, std::min(X.rows(), X.cols())));
+        for (int k = 0; k < power_iterations; ++k)
+            Q = X * orthonormal_columns(X.transpose() * orthonormal_columns(std::move(Q)));
+        Q = orthonormal_columns(std::move(Q));
+    }
+    // X ~ Q Q'X: the singular vectors of the small factor's Gram matrix finish the job.
+    const DenseMatrix projected = X.transpose() * Q;  // N x k
+    const GramEigen small = gram_eigen(gram(projected));
+    const Index r = std::min(rank, Q.cols());
+    DenseMatrix V = projected * small.vectors.leftCols(r);
+    for (Index j = 0; j < r; ++j)
+        if (small.singular_values[j] > 0) V.col(j) /= small.singular_values[j];
+    return {Q * small.vectors.leftCols(r) * small.singular_values.head(r).asDiagonal(), std::move(V)};
+}
+
+}  // namespace
+
+NonNegativePair nndsvd(const DenseMatrix& X, Index rank) {
+    const SingularPairs pairs = leading_pairs(X, rank);
+    NonNegativePair start{DenseMatrix::Zero(X.rows(), rank), DenseMatrix::Zero(X.cols(), rank)};
+    const double largest = pairs.scaled_left.cols() > 0 ? pairs.scaled_left.col(0).norm() : 0;
+    for (Index j = 0; j < pairs.right.cols(); ++j) {
+        // Below this the pair is rounding, see gram_eigen: a start made of it would only slow the sweeps.
+        if (!(pairs.scaled_left.col(j).norm() > 1e-7 * largest)) break;
+        const auto left = pairs.scaled_left.col(j).array(), right = pairs.right.col(j).array();
+        const double plus = left.max(0).matrix().norm() * right.max(0).matrix().norm();
+        const double minus = left.min(0).matrix().norm() * right.min(0).matrix().norm();
+        const double sign = plus >= minus ? 1 : -1;
+        Vector w = (sign * left).max(0), h = (sign * right).max(0);
+        const double share = std::sqrt(std::max(plus, minus));
+        if (w.norm() == 0 || h.norm() == 0) continue;
+        start.W.col(j) = w * (share / w.norm());
+        start.H.col(j) = h * (share / h.norm());
+    }
+    return start;
+}
+
+}  // namespace tact
