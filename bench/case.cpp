@@ -1,0 +1,192 @@
+#include "tact/bench/case.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "tact/bench/interrupt.hpp"
+#include "tact/bench/methods.hpp"
+#include "tact/bench/progress.hpp"
+#include "tact/bench/scenes.hpp"
+#include "tact/bench/timing.hpp"
+#include "tact/contact/automatic.hpp"
+#include "tact/lib/energy.hpp"
+
+namespace tact::bench {
+namespace {
+
+Json kkt_json(const KktResiduals& kkt) {
+    return {{"stationarity", kkt.stationarity},
+            {"penetration", kkt.penetration},
+            {"negativity", kkt.negativity},
+            {"complementarity", kkt.complementarity},
+            {"largest", kkt.largest()}};
+}
+
+Json points_json(const CaseOptions& options, const Mesh& mesh, const Vector& u) {
+    Json points = Json::array();
+    for (const auto& [x, y] : options.points) {
+        Json point = {{"x", x}, {"y", y}};
+        if (mesh.bodies.size() == 1) {
+            point["u"] = value_at(mesh, u, x, y);
+        } else {
+            point["lower"] = value_at(mesh, u, x, y, 0);
+            point["upper"] = value_at(mesh, u, x, y, 1);
+        }
+        points.push_back(std::move(point));
+    }
+    return points;
+}
+
+Json state_json(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem,
+                const State& state, Index active) {
+    const Energy energy = energy_of(problem, state);
+    const Vector u = state.u();
+    Json json;
+    if (!scene.is_static()) {
+        json["t"] = state.t;
+        json["step"] = state.step;
+    }
+    json["active"] = active;
+    json["energy"] = {{"kinetic", energy.kinetic},
+                      {"strain", energy.strain},
+                      {"potential", energy.potential},
+                      {"total", energy.total()}};
+    json["min_u"] = u.minCoeff();
+    json["max_u"] = u.maxCoeff();
+    json["contact_force"] = state.lambda.sum();
+    json["points"] = points_json(options, scene.mesh, u);
+    return json;
+}
+
+/// Steps of the grid, in the order of `times`.
+std::vector<long> steps_at(const std::vector<double>& times, const TimeGrid& grid) {
+    std::vector<long> steps;
+    for (const double t : times) {
+        const double step = (t - grid.t0) / grid.dt;
+        if (!(step >= -1e-6 && step <= static_cast<double>(grid.steps) + 1e-6) ||
+            std::abs(step - std::round(step)) > 1e-6)
+            throw InputError("case: at is " + std::to_string(t) + ", expected a whole number of steps of dt = " +
+                             std::to_string(grid.dt) + " up to t_end = " + std::to_string(grid.t(grid.steps)));
+        steps.push_back(std::lround(step));
+    }
+    return steps;
+}
+
+void run_static(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem, Json& json) {
+    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    StaticSolution solution;
+    const double seconds = seconds_of([&] { solution = solve_static(problem, workspace); });
+    const ContactReport& report = solution.report;
+    json["outcome"] = to_string(report.outcome);
+    json["seconds"] = seconds;
+    json["strategy"] = report.strategy;
+    json["contact_iterations"] = report.iterations;
+    json["most_active"] = report.active;
+    json["kkt"] = kkt_json(report.kkt);
+    json["states"] = Json::array();
+    if (report.outcome != Outcome::converged) {
+        json["failed_step"] = 1;
+        return;
+    }
+    State state(problem);
+    state.y = solution.u;
+    state.lambda = solution.lambda;
+    json["states"].push_back(state_json(options, scene, problem, state, report.active));
+}
+
+void run_march(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem, Json& json) {
+    const TimeGrid grid = TimeGrid::until(options.t_end.value_or(scene.t_end), options.dt.value_or(scene.dt));
+    const auto method = integrator(options.integrator);
+    const std::vector<double> times = options.at.empty() ? std::vector{grid.t(grid.steps)} : options.at;
+    const std::vector<long> steps = steps_at(times, grid);
+    json["integrator"] = method->name();
+    json["dt"] = grid.dt;
+    json["t_end"] = grid.t(grid.steps);
+    json["steps"] = grid.steps;
+
+    std::vector<Json> states(steps.size());
+    Progress progress(scene.name, static_cast<double>(grid.steps));
+    const auto watch = [&](const State& state, const StepReport& report) {
+        for (std::size_t k = 0; k < steps.size(); ++k)
+            if (steps[k] == state.step) states[k] = state_json(options, scene, problem, state, report.contact.active);
+        progress.at(static_cast<double>(state.step));
+        return Flow::proceed;
+    };
+    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    const std::vector<Observer> observers{watch};
+    MarchReport march;
+    const double seconds = seconds_of([&] { march = integrate(*method, problem, grid, workspace, observers); });
+    json["outcome"] = to_string(march.outcome);
+    json["seconds"] = seconds;
+    json["strategy"] = march.last.contact.strategy;
+    json["accepted_steps"] = march.accepted_steps;
+    json["first_contact_step"] = march.first_contact_step;
+    json["most_active"] = march.most_active;
+    json["contact_iterations"] = march.contact_iterations;
+    json["kkt"] = kkt_json(march.worst_kkt);
+    if (march.outcome != Outcome::converged) json["failed_step"] = march.last.step;
+    json["states"] = Json::array();
+    for (Json& state : states)
+        if (!state.is_null()) json["states"].push_back(std::move(state));
+}
+
+void check(const CaseOptions& options, const StudyScene& scene) {
+    const std::size_t parameters = scene.family->names().size();
+    if (options.gamma.size() != parameters)
+        throw InputError("case: gamma has " + std::to_string(options.gamma.size()) + " numbers, expected " +
+                         std::to_string(parameters) + " for " + scene.name);
+    if (options.n < 0) throw InputError("case: n is " + std::to_string(options.n) + ", expected at least 3");
+    if (scene.is_static() && (options.dt || options.t_end || !options.at.empty()))
+        throw InputError("case: dt, t_end and at are given, expected none of them for " + scene.name);
+}
+
+}  // namespace
+
+Json run_case(const CaseOptions& given) {
+    CaseOptions options = given;
+    if (options.points.empty()) options.points = {{0.5, 0.5}};
+    const StudyScene scene = study_scene(options.scene, options.n);
+    check(options, scene);
+    const ContactProblem problem =
+        scene.family->at(Eigen::Map<const Vector>(options.gamma.data(), static_cast<Index>(options.gamma.size())));
+    points_json(options, scene.mesh, Vector::Zero(problem.size()));  // a bad point is said before the run, not after
+
+    Json json;
+    json["scene"] = scene.name;
+    json["n"] = scene.mesh.n;
+    json["unknowns"] = problem.size();
+    json["contact_constraints"] = problem.constraints();
+    json["gamma"] = options.gamma;
+    if (scene.is_static())
+        run_static(options, scene, problem, json);
+    else
+        run_march(options, scene, problem, json);
+    if (json.contains("failed_step"))
+        json["message"] = "step " + json["failed_step"].dump() + ": the contact solve ended with " +
+                          json["outcome"].get<std::string>();
+    return json;
+}
+
+std::vector<std::array<double, 2>> parse_points(const std::string& text) {
+    const auto reject = [&text]() -> std::vector<std::array<double, 2>> {
+        throw InputError("case: points is \"" + text + "\", expected X1,Y1;X2,Y2;...");
+    };
+    std::vector<std::array<double, 2>> points;
+    const char* next = text.data();
+    const char* const end = next + text.size();
+    while (next != end) {
+        std::array<double, 2> point{};
+        for (std::size_t k = 0; k < 2; ++k) {
+            const auto [after, error] = std::from_chars(next, end, point[k]);
+            if (error != std::errc()) return reject();
+            next = after;
+            if (k == 0 && (next == end || *next++ != ',')) return reject();
+        }
+        points.push_back(point);
+        if (next != end && *next++ != ';') return reject();
+    }
+    return points;
+}
+
+}  // namespace tact::bench

@@ -1,0 +1,32 @@
+#include "tact/bench/interrupt.hpp"
+
+#include <csignal>
+
+namespace tact::bench {
+namespace {
+
+volatile std::sig_atomic_t signalled = 0;
+
+void note(int signal) {
+    signalled = 1;
+    std::signal(signal, SIG_DFL);  // the next one ends the process
+}
+
+}  // namespace
+
+void catch_interrupts() {
+    std::signal(SIGINT, note);
+    std::signal(SIGTERM, note);
+}
+
+bool interrupted() { return signalled != 0; }
+
+void throw_if_interrupted() {
+    if (interrupted()) throw Interrupted();
+}
+
+Observer stop_on_interrupt() {
+    return [](const State&, const StepReport&) { return interrupted() ? Flow::stop : Flow::proceed; };
+}
+
+}  // namespace tact::bench

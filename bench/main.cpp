@@ -1,0 +1,77 @@
+// tact-bench: the studies and single cases. Exit code 0: done; 1: bad input or a solve that did not converge, said on
+// standard error; 130: interrupted.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "tact/bench/case.hpp"
+#include "tact/bench/interrupt.hpp"
+#include "tact/lib/errors.hpp"
+#include "tact/lib/io/write_file.hpp"
+
+namespace tact::bench {
+namespace {
+
+constexpr int interrupted_code = 130;
+
+void add_case(CLI::App& app, int& code) {
+    struct Arguments {
+        CaseOptions options;
+        std::string points, out;
+    };
+    const auto arguments = std::make_shared<Arguments>();
+    CaseOptions& options = arguments->options;
+    CLI::App* command =
+        app.add_subcommand("case", "One full run: values at points and times, energies, KKT residuals");
+    command->add_option("scene", options.scene, "static-obstacle, dynamic-obstacle or two-plates")->required();
+    command->add_option("--n", options.n, "Interior nodes a side (the paper's: 200, plates 100)");
+    command->add_option("--gamma", options.gamma, "Parameters of the obstacle: G1,G2")->delimiter(',');
+    command->add_option("--dt", options.dt, "Time step (the paper's: .005, plates 2e-4)");
+    command->add_option("--t-end", options.t_end, "End time (the paper's: 2, plates .4)");
+    command->add_option("--integrator", options.integrator, "bdf2")->capture_default_str();
+    command->add_option("--at", options.at, "Times to report: T1,T2,... (the end)")->delimiter(',');
+    command->add_option("--points", arguments->points, "Points to report: X1,Y1;X2,Y2;... (the centre)");
+    command->add_option("--out", arguments->out, "json file (standard output)");
+    command->callback([arguments, &code] {
+        arguments->options.points = parse_points(arguments->points);
+        const Json json = run_case(arguments->options);
+        const std::string text = json.dump(2) + "\n";
+        if (arguments->out.empty())
+            std::cout << text;
+        else
+            write_file(arguments->out, text);
+        if (!json.contains("message")) return;
+        std::cerr << "tact-bench: " << json["message"].get<std::string>() << "\n";
+        code = 1;
+    });
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("Full and reduced contact problems, measured");
+    app.require_subcommand(1);
+    int code = 0;
+    add_case(app, code);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error);
+    }
+    return code;
+}
+
+}  // namespace
+}  // namespace tact::bench
+
+int main(int argc, char** argv) {
+    using namespace tact::bench;
+    catch_interrupts();
+    use_one_thread();
+    try {
+        return run(argc, argv);
+    } catch (const Interrupted&) {
+        std::cerr << "tact-bench: interrupted\n";
+        return interrupted_code;
+    } catch (const std::exception& error) {
+        std::cerr << "tact-bench: " << error.what() << "\n";
+        return 1;
+    }
+}
