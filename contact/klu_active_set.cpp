@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -217,7 +218,7 @@ public:
                     if (std::find(active_.begin(), active_.end(), char{1}) == active_.end())
                         throw NumericalError("KluActiveSet: A is singular (" + std::to_string(b.size()) + "x" +
                                              std::to_string(b.size()) + ")");
-                    factored_.clear();
+                    factored_.reset();
                     report.outcome = Outcome::unbounded;
                     return report;
                 }
@@ -262,7 +263,8 @@ private:
     KktCertificate certificate_;
     ConstraintRows rows_;
     CondensedSystem system_;
-    std::vector<char> active_, factored_;
+    std::vector<char> active_;
+    std::optional<std::vector<char>> factored_;  // the set in the factor
     Vector u_, lambda_;
 };
 

@@ -1,0 +1,211 @@
+// Laws that every contact strategy obeys, against the enumeration of all active sets.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/colour_sor.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/projected_cg.hpp"
+#include "tact/contact/schur_contact.hpp"
+#include "tact/tests/laws/quadratic_programs.hpp"
+
+namespace tact::laws {
+namespace {
+
+struct Strategy {
+    const char* name;
+    std::shared_ptr<const ContactSolver> solver;
+    std::vector<Rows> takes;
+    bool always_ends;  // a plain active set may come back to a set, and then says so
+};
+
+std::vector<Strategy> strategies() {
+    const std::vector<Rows> all{Rows::bounds, Rows::pairs, Rows::general};
+    return {{"KluActiveSet", std::make_shared<KluActiveSet>(), all, false},
+            {"SchurContact", std::make_shared<SchurContact>(), all, true},
+            {"DenseContact", std::make_shared<DenseContact>(), all, true},
+            {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
+            {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
+            {"AutomaticContact", std::make_shared<AutomaticContact>(), all, true}};
+}
+
+struct Solved {
+    ContactReport report;
+    Vector u, lambda;
+};
+
+Solved solve(const ContactSolver& solver, const QuadraticProgram& qp, const Vector& guess) {
+    Solved s{{}, Vector::Zero(qp.A.rows()), guess};
+    const auto prepared = solver.prepare(Matrix(Matrix(qp.A).to_sparse()), Matrix(Matrix(qp.B).to_sparse()));
+    s.report = prepared->solve(qp.b, qp.c, {s.u, s.lambda});
+    return s;
+}
+
+class EveryStrategy : public testing::TestWithParam<Strategy> {
+protected:
+    /// Calls `law` on generated programs of every kind this strategy takes.
+    void on_programs(int count, const std::function<void(std::mt19937&, const QuadraticProgram&)>& law) {
+        for (const Rows rows : GetParam().takes) {
+            std::mt19937 random(42);
+            for (int k = 0; k < count; ++k) {
+                const Index m = k % 7;
+                const Index n = 2 * m + 1 + k % 3;
+                law(random, random_program(random, n, m, rows));
+                if (HasFatalFailure()) return;
+            }
+        }
+    }
+    bool may_give_up(const Solved& s) const {
+        return !GetParam().always_ends && (s.report.outcome == Outcome::cycling);
+    }
+};
+
+TEST_P(EveryStrategy, AgreesWithTheEnumerationOfAllActiveSets) {
+    int given_up = 0, programs = 0;
+    on_programs(120, [&](std::mt19937&, const QuadraticProgram& qp) {
+        ++programs;
+        const auto exact = by_enumeration(qp);
+        ASSERT_TRUE(exact);
+        const Solved s = solve(*GetParam().solver, qp, Vector::Zero(qp.c.size()));
+        if (may_give_up(s)) {
+            ++given_up;
+            return;
+        }
+        ASSERT_EQ(s.report.outcome, Outcome::converged)
+            << to_string(s.report.outcome) << " " << s.report.kkt.largest() << " m " << qp.c.size();
+        ASSERT_LE(s.report.kkt.largest(), 1e-12);
+        ASSERT_LE((s.u - exact->u).norm(), 1e-9 * (1 + exact->u.norm()));
+        ASSERT_LE((s.lambda - exact->lambda).norm(), 1e-8 * (1 + exact->lambda.norm()));
+    });
+    EXPECT_LE(given_up, programs / 10);
+}
+
+TEST_P(EveryStrategy, TheReportedResidualsAreThoseOfTheData) {
+    on_programs(20, [&](std::mt19937&, const QuadraticProgram& qp) {
+        const Solved s = solve(*GetParam().solver, qp, Vector::Zero(qp.c.size()));
+        if (may_give_up(s)) return;
+        ASSERT_EQ(s.report.outcome, Outcome::converged);
+        const auto kkt = kkt_residuals(Matrix(qp.A), Matrix(qp.B), qp.b, qp.c, s.u, s.lambda);
+        ASSERT_NEAR(s.report.kkt.largest(), kkt.largest(), 1e-15);
+        ASSERT_EQ(s.report.active, (s.lambda.array() > 0).count());
+    });
+}
+
+TEST_P(EveryStrategy, AWarmStartDoesNotChangeTheAnswer) {
+    on_programs(40, [&](std::mt19937& random, const QuadraticProgram& qp) {
+        const Solved cold = solve(*GetParam().solver, qp, Vector::Zero(qp.c.size()));
+        const Solved warm = solve(*GetParam().solver, qp, random_vector(random, qp.c.size()).cwiseMax(0));
+        if (may_give_up(cold) || may_give_up(warm)) return;
+        ASSERT_EQ(warm.report.outcome, Outcome::converged);
+        ASSERT_LE((cold.u - warm.u).norm(), 1e-10 * (1 + cold.u.norm()));
+    });
+}
+
+TEST_P(EveryStrategy, ScalingARowScalesItsMultiplierOnly) {
+    on_programs(30, [&](std::mt19937& random, const QuadraticProgram& qp) {
+        QuadraticProgram scaled = qp;
+        const Vector factors = (3 * random_vector(random, qp.c.size())).array().exp();
+        scaled.B = factors.asDiagonal() * qp.B;
+        scaled.c = factors.cwiseProduct(qp.c);
+        const Solved a = solve(*GetParam().solver, qp, Vector::Zero(qp.c.size()));
+        const Solved b = solve(*GetParam().solver, scaled, Vector::Zero(qp.c.size()));
+        if (may_give_up(a) || may_give_up(b)) return;
+        ASSERT_EQ(b.report.outcome, Outcome::converged);
+        ASSERT_LE((a.u - b.u).norm(), 1e-9 * (1 + a.u.norm()));
+        ASSERT_LE((a.lambda - factors.cwiseProduct(b.lambda)).norm(), 1e-8 * (1 + a.lambda.norm()));
+    });
+}
+
+TEST_P(EveryStrategy, ARowAtMinusInfinityIsSwitchedOff) {
+    on_programs(30, [&](std::mt19937&, const QuadraticProgram& qp) {
+        const Index m = qp.c.size();
+        if (m == 0) return;
+        QuadraticProgram off = qp, without = qp;
+        off.c[m - 1] = -infinity;
+        without.B = qp.B.topRows(m - 1).eval();
+        without.c = qp.c.head(m - 1).eval();
+        const Solved a = solve(*GetParam().solver, off, Vector::Zero(m));
+        const Solved b = solve(*GetParam().solver, without, Vector::Zero(m - 1));
+        if (may_give_up(a) || may_give_up(b)) return;
+        ASSERT_EQ(a.report.outcome, Outcome::converged);
+        ASSERT_EQ(a.lambda[m - 1], 0);
+        ASSERT_LE((a.u - b.u).norm(), 1e-10 * (1 + a.u.norm()));
+    });
+}
+
+TEST_P(EveryStrategy, ManySolvesWithOnePreparationAgreeWithFreshOnes) {
+    std::mt19937 random(7);
+    const auto qp = random_program(random, 12, 5, GetParam().takes.front());
+    const auto prepared =
+        GetParam().solver->prepare(Matrix(Matrix(qp.A).to_sparse()), Matrix(Matrix(qp.B).to_sparse()));
+    Vector u = Vector::Zero(12), lambda = Vector::Zero(5);
+    for (int k = 0; k < 30; ++k) {
+        QuadraticProgram next = qp;
+        next.b = random_vector(random, 12);
+        const auto report = prepared->solve(next.b, next.c, {u, lambda});
+        if (!GetParam().always_ends && report.outcome == Outcome::cycling) continue;
+        ASSERT_EQ(report.outcome, Outcome::converged);
+        const auto exact = by_enumeration(next);
+        ASSERT_LE((u - exact->u).norm(), 1e-9 * (1 + exact->u.norm()));
+    }
+}
+
+TEST_P(EveryStrategy, NaNEndsAsAnOutcomeAndLeavesThePoint) {
+    std::mt19937 random(3);
+    auto qp = random_program(random, 7, 3, GetParam().takes.front());
+    qp.b[2] = std::numeric_limits<double>::quiet_NaN();
+    Vector u = Vector::Constant(7, 0.5), lambda = Vector::Zero(3);
+    const auto prepared =
+        GetParam().solver->prepare(Matrix(Matrix(qp.A).to_sparse()), Matrix(Matrix(qp.B).to_sparse()));
+    const auto report = prepared->solve(qp.b, qp.c, {u, lambda});
+    EXPECT_NE(report.outcome, Outcome::converged);
+    EXPECT_EQ(u, Vector::Constant(7, 0.5));
+    EXPECT_EQ(lambda, Vector::Zero(3));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryStrategy, testing::ValuesIn(strategies()),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+TEST(ContactSolvers, ExcludingConstraintsAreInfeasible) {
+    // u >= 1 and -u >= 0
+    QuadraticProgram qp{DenseMatrix::Identity(2, 2), DenseMatrix::Zero(2, 2), Vector::Zero(2), Vector(2)};
+    qp.B(0, 0) = 1;
+    qp.B(1, 0) = -1;
+    qp.c << 1, 0;
+    for (const std::shared_ptr<const ContactSolver>& solver :
+         {std::shared_ptr<const ContactSolver>(std::make_shared<DenseContact>()),
+          std::shared_ptr<const ContactSolver>(std::make_shared<SchurContact>())})
+        EXPECT_EQ(solve(*solver, qp, Vector::Zero(2)).report.outcome, Outcome::infeasible);
+}
+
+TEST(ContactSolvers, DuplicateAndDependentRowsChangeNothing) {
+    std::mt19937 random(11);
+    for (int k = 0; k < 60; ++k) {
+        const auto qp = random_program(random, 8, 4, Rows::general);
+        QuadraticProgram more = qp;
+        more.B.conservativeResize(6, 8);
+        more.c.conservativeResize(6);
+        more.B.row(4) = qp.B.row(1);
+        more.c[4] = qp.c[1];
+        more.B.row(5) = qp.B.row(0) + qp.B.row(2);
+        more.c[5] = qp.c[0] + qp.c[2];
+        const auto exact = by_enumeration(qp);
+        for (const Strategy& s : strategies()) {
+            if (!s.always_ends || s.takes.size() < 3) continue;
+            const Solved solved = solve(*s.solver, more, Vector::Zero(6));
+            ASSERT_EQ(solved.report.outcome, Outcome::converged) << s.name;
+            ASSERT_LE((solved.u - exact->u).norm(), 1e-8 * (1 + exact->u.norm())) << s.name;
+        }
+    }
+}
+
+TEST(ContactSolvers, SingularMatrixIsNamed) {
+    const SparseMatrix singular(SparseMatrix(DenseMatrix::Ones(3, 3).sparseView()));
+    EXPECT_THROW((void)SchurContact().prepare(Matrix(singular), Matrix::identity(3)), NumericalError);
+}
+
+}  // namespace
+}  // namespace tact::laws
