@@ -67,7 +67,8 @@ public:
         for (Index i = 0; i < n_; ++i) u_[order_[static_cast<std::size_t>(i)]] = x_[place(i)] * colour_scale_[i];
         multipliers(c, report);
         report.kkt = certificate_(b, c, u_, lambda_);
-        if (!(report.kkt.largest() <= acceptable)) {
+        if (!report.kkt.within(acceptable,
+                               std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>()))) {
             report.outcome = Outcome::inaccurate;
             return report;
         }

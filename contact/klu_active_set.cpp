@@ -225,7 +225,8 @@ public:
                 factored_ = active_;
             }
             system_.solve(b, c, active_, u_, lambda_);
-            const double tolerance = 1e-14 * std::max(size, u_.cwiseAbs().maxCoeff());
+            size = std::max(size, u_.cwiseAbs().maxCoeff());
+            const double tolerance = 1e-14 * size;
             bool changed = false;
             for (Index i = 0; i < m; ++i) {
                 auto& on = active_[static_cast<std::size_t>(i)];
@@ -239,8 +240,12 @@ public:
             }
             if (!changed) break;
         }
+        // A bound is met exactly: a gap of zero then is zero, not rounding.
+        for (Index i = 0; i < m; ++i)
+            if (active_[static_cast<std::size_t>(i)] && rows_.columns(i).size() == 1)
+                u_[rows_.columns(i)[0]] = c[i] / rows_.weights(i)[0];
         report.kkt = certificate_(b, c, u_, lambda_);
-        if (!(report.kkt.largest() <= acceptable)) {
+        if (!report.kkt.within(acceptable, size)) {
             report.outcome = Outcome::inaccurate;
             return report;
         }

@@ -104,7 +104,8 @@ public:
             lambda_[i] = in_contact_[static_cast<std::size_t>(i)] ? std::max(lambda_[i], 0.0) * row_scale_[i] : 0.0;
         u_ = x_.cwiseProduct(scale_);
         report.kkt = certificate_(b, c, u_, lambda_);
-        if (!(report.kkt.largest() <= acceptable)) {
+        if (!report.kkt.within(acceptable,
+                               std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>()))) {
             report.outcome = Outcome::inaccurate;
             return report;
         }

@@ -171,6 +171,12 @@ double KktResiduals::largest() const {
     return worst;
 }
 
+bool KktResiduals::within(double tolerance, double gap_size) const {
+    const auto small = [&](double scaled, double gap) { return scaled <= tolerance || gap <= tolerance * gap_size; };
+    return stationarity <= tolerance && negativity <= tolerance && small(penetration, absolute.penetration) &&
+           small(complementarity, absolute.complementarity);
+}
+
 struct KktCertificate::Work {
     Work(const Matrix& A_, const Matrix& B_)
         : A(A_), B(B_), force(A_.rows()), force_scale(A_.rows()), gap(B_.rows()), gap_scale(B_.rows()) {}
@@ -193,6 +199,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     const double force_scale = size_of(w.force_scale + b.cwiseAbs());
     const bool finite = std::isfinite(force_scale);
     KktResiduals kkt;
+    kkt.absolute.stationarity = residual;
     kkt.stationarity = finite ? ratio(residual, force_scale) : infinity;
     const Index m = w.gap.size();
     if (m == 0) return kkt;
@@ -211,13 +218,17 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
         gap_scale = std::max(gap_scale, w.gap_scale[i] + std::abs(c[i]));
         penetration = std::max(penetration, -w.gap[i]);
     }
+    kkt.absolute.penetration = penetration;
+    kkt.absolute.negativity = negativity;
     kkt.penetration = ratio(penetration, gap_scale);
     kkt.negativity = ratio(negativity, multiplier_scale);
     if (multiplier_scale > 0 && gap_scale > 0)
         for (Index i = 0; i < m; ++i)
-            if (lambda[i] > 0 && c[i] != -infinity)
-                kkt.complementarity =
-                    std::max(kkt.complementarity, std::min(w.gap[i] / gap_scale, lambda[i] / multiplier_scale));
+            if (lambda[i] > 0 && c[i] != -infinity) {
+                const double share = lambda[i] / multiplier_scale;
+                kkt.complementarity = std::max(kkt.complementarity, std::min(w.gap[i] / gap_scale, share));
+                kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, w.gap[i] * share);
+            }
     return kkt;
 }
 

@@ -21,6 +21,18 @@ struct KktResiduals {
     double complementarity = 0;
     /// The largest of the four; NaN counts as infinity.
     double largest() const;
+
+    /// The same without their scales: a force, a gap, a multiplier, and the largest gap_i lambda_i / max|lambda|.
+    struct Absolute {
+        double stationarity = 0;
+        double penetration = 0;
+        double negativity = 0;
+        double complementarity = 0;
+    } absolute;
+
+    /// Whether a solve that worked with gaps of this size has reached the tolerance. Where all gaps and displacements of
+    /// the solution vanish the scaled penetration is rounding over rounding: there the gap's own size decides.
+    bool within(double tolerance, double gap_size) const;
 };
 
 /// Evaluates KktResiduals for one (A, B) and many (b, c, u, lambda), from the data alone: it shares no code with any

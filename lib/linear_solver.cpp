@@ -21,19 +21,37 @@ private:
     Vector inverse_;
 };
 
-template <class Decomposition> class DenseFactor final : public Factor {
+class CholeskyFactor final : public Factor {
 public:
-    explicit DenseFactor(Decomposition decomposition) : decomposition_(std::move(decomposition)) {}
-    Index size() const override { return decomposition_.rows(); }
+    explicit CholeskyFactor(Eigen::LLT<DenseMatrix> llt) : llt_(std::move(llt)) {}
+    Index size() const override { return llt_.rows(); }
     void solve(Eigen::Ref<DenseMatrix> B) const override {
-        if constexpr (requires { decomposition_.solveInPlace(B); })
-            decomposition_.solveInPlace(B);
-        else
-            B = decomposition_.solve(B).eval();
+        // Column by column Eigen needs no work space; one is the case in every step.
+        if (B.cols() > 1) return llt_.solveInPlace(B);
+        VectorRef b = B.col(0);
+        llt_.solveInPlace(b);
     }
 
 private:
-    Decomposition decomposition_;
+    Eigen::LLT<DenseMatrix> llt_;
+};
+
+class LuFactor final : public Factor {
+public:
+    explicit LuFactor(Eigen::PartialPivLU<DenseMatrix> lu) : lu_(std::move(lu)), work_(lu_.rows()) {}
+    Index size() const override { return lu_.rows(); }
+    void solve(Eigen::Ref<DenseMatrix> B) const override {
+        for (Index j = 0; j < B.cols(); ++j) {
+            work_.noalias() = lu_.permutationP() * B.col(j);
+            lu_.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(work_);
+            lu_.matrixLU().triangularView<Eigen::Upper>().solveInPlace(work_);
+            B.col(j) = work_;
+        }
+    }
+
+private:
+    Eigen::PartialPivLU<DenseMatrix> lu_;
+    mutable Vector work_;
 };
 
 }  // namespace
@@ -46,12 +64,12 @@ std::unique_ptr<const Factor> DenseLinearSolver::factorize(const Matrix& A) cons
     if (A.is_symmetric()) {
         Eigen::LLT<DenseMatrix> llt(*dense);
         if (llt.info() == Eigen::Success && (llt.rcond() > 1e-16 || dense->rows() == 0))
-            return std::make_unique<DenseFactor<Eigen::LLT<DenseMatrix>>>(std::move(llt));
+            return std::make_unique<CholeskyFactor>(std::move(llt));
     }
     Eigen::PartialPivLU<DenseMatrix> lu(*dense);
     if (dense->rows() > 0 && !(lu.rcond() > 1e-16))
         throw NumericalError("DenseLinearSolver: the " + A.shape() + " matrix is singular");
-    return std::make_unique<DenseFactor<Eigen::PartialPivLU<DenseMatrix>>>(std::move(lu));
+    return std::make_unique<LuFactor>(std::move(lu));
 }
 
 }  // namespace tact

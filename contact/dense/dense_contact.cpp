@@ -1,8 +1,8 @@
 #include "tact/contact/dense/dense_contact.hpp"
 
 #include <cmath>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "tact/contact/dense/goldfarb_idnani.hpp"
 #include "tact/lib/linear_solver.hpp"
@@ -23,6 +23,12 @@ public:
         W_ = dense_B.transpose();
         factor_->solve(W_);
         // Rows of unit energy: the answer does not depend on how a row of B is scaled.
+        for (Index i = 0; i < dense_B.rows(); ++i) {
+            Index column = 0;
+            if ((dense_B.row(i).array() != 0).count() != 1) continue;
+            dense_B.row(i).cwiseAbs().maxCoeff(&column);
+            bounds_.push_back({i, column, dense_B(i, column)});
+        }
         scale_ = (dense_B * W_).diagonal();
         for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
         B_ = scale_.asDiagonal() * dense_B;
@@ -41,15 +47,18 @@ public:
             factor_->solve(u_);
         }
         const Index m = g_.size();
+        double gap_size = 0;
         if (m > 0) {
-            g_.noalias() = -(B_ * u_);
-            double size = g_.cwiseAbs().maxCoeff();
+            g_.noalias() = B_ * u_;
+            g_ = -g_;
+            double size = g_.cwiseAbs().maxCoeff();  // in energy units
             for (Index i = 0; i < m; ++i) {
                 const double ci = c[i] * scale_[i];
                 if (ci != -infinity) size = std::max(size, std::abs(ci));
                 g_[i] += ci;
             }
             const double tolerance = gap_tolerance * size;
+            gap_size = size / scale_.minCoeff();
             if (g_.maxCoeff() > tolerance || (point.lambda.array() > 0).any()) {
                 multiplier_ = point.lambda.cwiseQuotient(scale_);
                 const auto dual = dual_.solve(S_, g_, tolerance, multiplier_, w_);
@@ -61,6 +70,9 @@ public:
                     u_ += multiplier_[i] * W_.col(i);
                     ++report.active;
                 }
+                // A bound is met exactly: a gap of zero then is zero, not rounding.
+                for (const auto& [row, column, weight] : bounds_)
+                    if (multiplier_[row] > 0) u_[column] = c[row] / weight;
                 lambda_ = multiplier_.cwiseProduct(scale_);
             } else {
                 lambda_.setZero();
@@ -68,7 +80,7 @@ public:
         }
         report.kkt = certificate_(b, c, u_, lambda_);
         // NaN in b or c ends here, as does an A that is singular in all but name.
-        if (!(report.kkt.largest() <= acceptable)) {
+        if (!report.kkt.within(acceptable, gap_size)) {
             report.outcome = Outcome::inaccurate;
             return report;
         }
@@ -79,6 +91,11 @@ public:
 
 private:
     static constexpr double acceptable = 1e-9;
+    struct Bound {
+        Index row, column;
+        double weight;
+    };
+    std::vector<Bound> bounds_;  // the rows of B with one entry
     KktCertificate certificate_;
     std::unique_ptr<const Factor> factor_;
     Vector inverse_;  // of A's diagonal, where it is diagonal

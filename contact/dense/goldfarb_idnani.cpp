@@ -105,7 +105,7 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
                 multiplier_[k] = multiplier_q;
                 break;
             }
-            multiplier_.segment(leaving, k - 1 - leaving) = multiplier_.segment(leaving + 1, k - 1 - leaving).eval();
+            std::copy(multiplier_.data() + leaving + 1, multiplier_.data() + k, multiplier_.data() + leaving);
             factor_.remove(leaving);
         }
         gaps(S, g, w);

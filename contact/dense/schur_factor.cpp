@@ -100,11 +100,11 @@ void SchurFactor::rebuild(const DenseMatrix& S, std::span<const Index> rows) {
         for (Index j = 0; j < k; ++j)
             for (Index i = j; i < k; ++i)
                 L_(i, j) = S(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
-        const Vector diagonal = L_.diagonal().head(k);
+        work_.head(k) = L_.diagonal().head(k);
         Eigen::Ref<DenseMatrix> block = L_.topLeftCorner(k, k);
         Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(block);
         if (llt.info() == Eigen::Success &&
-            (L_.diagonal().head(k).array().square() > dependence * diagonal.array()).all()) {
+            (L_.diagonal().head(k).array().square() > dependence * work_.head(k).array()).all()) {
             rows_.assign(rows.begin(), rows.end());
             return;
         }
