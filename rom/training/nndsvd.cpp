@@ -32,22 +32,27 @@ struct SingularPairs {
     DenseMatrix scaled_left, right;
 };
 
-SingularPairs leading_pairs(const DenseMatrix& X, Index rank) {
+SingularPairs leading_pairs(const NonNegativeBlock& X, Index rank) {
     if (X.cols() <= exact_size) {
-        DenseMatrix V = gram_eigen(gram(X)).vectors.leftCols(std::min(rank, X.cols()));
-        return {X * V, std::move(V)};
+        const DenseMatrix dense = X.dense();
+        DenseMatrix V = gram_eigen(gram(dense)).vectors.leftCols(std::min(rank, X.cols()));
+        return {dense * V, std::move(V)};
     }
+    const auto image = [&](const DenseMatrix& Y) -> DenseMatrix { return X.times(Y.transpose()).transpose(); };
+    const auto coimage = [&](const DenseMatrix& Y) -> DenseMatrix {
+        return X.transposed_times(Y.transpose()).transpose();
+    };
     DenseMatrix Q;
     if (X.rows() <= exact_size) {
-        Q = gram_eigen(gram(X.transpose())).vectors.leftCols(std::min(rank, X.rows()));
+        Q = gram_eigen(gram(X.dense().transpose())).vectors.leftCols(std::min(rank, X.rows()));
     } else {
-        Q = X * fixed_start(X.cols(), std::min(rank + oversampling, std::min(X.rows(), X.cols())));
+        Q = image(fixed_start(X.cols(), std::min(rank + oversampling, std::min(X.rows(), X.cols()))));
         for (int k = 0; k < power_iterations; ++k)
-            Q = X * orthonormal_columns(X.transpose() * orthonormal_columns(std::move(Q)));
+            Q = image(orthonormal_columns(coimage(orthonormal_columns(std::move(Q)))));
         Q = orthonormal_columns(std::move(Q));
     }
     // X ~ Q Q'X: the singular vectors of the small factor's Gram matrix finish the job.
-    const DenseMatrix projected = X.transpose() * Q;  // N x k
+    const DenseMatrix projected = coimage(Q);
     const GramEigen small = gram_eigen(gram(projected));
     const Index r = std::min(rank, Q.cols());
     DenseMatrix V = projected * small.vectors.leftCols(r);
@@ -58,9 +63,9 @@ SingularPairs leading_pairs(const DenseMatrix& X, Index rank) {
 
 }  // namespace
 
-NonNegativePair nndsvd(const DenseMatrix& X, Index rank) {
+NonNegativePair nndsvd(const NonNegativeBlock& X, Index rank) {
     const SingularPairs pairs = leading_pairs(X, rank);
-    NonNegativePair start{DenseMatrix::Zero(X.rows(), rank), DenseMatrix::Zero(X.cols(), rank)};
+    NonNegativePair start{DenseMatrix::Zero(rank, X.rows()), DenseMatrix::Zero(rank, X.cols())};
     const double largest = pairs.scaled_left.cols() > 0 ? pairs.scaled_left.col(0).norm() : 0;
     for (Index j = 0; j < pairs.right.cols(); ++j) {
         // Below this the pair is rounding, see gram_eigen: a start made of it would only slow the sweeps.
@@ -69,11 +74,11 @@ NonNegativePair nndsvd(const DenseMatrix& X, Index rank) {
         const double plus = left.max(0).matrix().norm() * right.max(0).matrix().norm();
         const double minus = left.min(0).matrix().norm() * right.min(0).matrix().norm();
         const double sign = plus >= minus ? 1 : -1;
-        Vector w = (sign * left).max(0), h = (sign * right).max(0);
+        const Vector w = (sign * left).max(0), h = (sign * right).max(0);
         const double share = std::sqrt(std::max(plus, minus));
         if (w.norm() == 0 || h.norm() == 0) continue;
-        start.W.col(j) = w * (share / w.norm());
-        start.H.col(j) = h * (share / h.norm());
+        start.W_transposed.row(j) = w.transpose() * (share / w.norm());
+        start.H_transposed.row(j) = h.transpose() * (share / h.norm());
     }
     return start;
 }

@@ -15,9 +15,18 @@ void PodAccumulator::add(const Eigen::Ref<const DenseMatrix>& block) {
                          std::to_string(scaled_modes_.rows()));
     if (!block.allFinite())
         throw InputError("PodAccumulator: block has a NaN or infinite entry, expected finite entries");
+    snapshots_ += block.cols();
+    // A merge costs n (added + held)^2: wide blocks in pieces of about the size that costs least per snapshot.
+    constexpr Index piece = 400;
+    const Index pieces = (block.cols() + piece - 1) / piece;
+    for (Index k = 0; k < pieces; ++k) {
+        const Index from = block.cols() * k / pieces, to = block.cols() * (k + 1) / pieces;
+        merge(block.middleCols(from, to - from));
+    }
+}
+
+void PodAccumulator::merge(const Eigen::Ref<const DenseMatrix>& block) {
     const Index n = block.rows(), held = vectors(), added = block.cols();
-    if (added == 0) return;
-    snapshots_ += added;
 
     // Gram matrix of [held, block]; the held vectors are orthogonal, so its first block is known.
     DenseMatrix G(held + added, held + added);

@@ -11,7 +11,7 @@ struct PodAccumulatorOptions {
 };
 
 /// POD of snapshots that arrive in blocks. Holds the leading left singular vectors of all snapshots so far, scaled by
-/// their singular values, and merges each block into them by one Gram matrix; so memory is n x (max_vectors + a block).
+/// their singular values, and merges each block into them by Gram matrices; so memory is n x 2 max_vectors beside the block.
 /// What is forgotten at each merge bounds the difference to the POD of all snapshots (Himpe, Leibner, Rave, SIAM J. Sci. Comput. 40, 2018).
 class PodAccumulator {
 public:
@@ -32,6 +32,8 @@ public:
     Pod modes(Index p) const;
 
 private:
+    void merge(const Eigen::Ref<const DenseMatrix>& block);
+
     PodAccumulatorOptions options_;
     DenseMatrix scaled_modes_;  // n x k: U diag(singular_values_)
     Vector singular_values_;
