@@ -46,15 +46,9 @@ public:
         for (Index first = 0; first < A.rows(); first += block_rows) find_diagonals(first);
     }
 
+    /// y = A x and z = |A||x|.
     void multiply(const ConstVectorRef& x, VectorRef y, VectorRef z) const {
-        if (const DenseMatrix* A = source_.dense()) {
-            y.noalias() = *A * x;
-            size_ = x.cwiseAbs();
-            z.noalias() = absolute_ * size_;
-        } else if (const Vector* d = source_.diagonal_entries()) {
-            y = d->cwiseProduct(x);
-            z = y.cwiseAbs();
-        } else {
+        if (source_.sparse()) {
             for (std::size_t block = 0; block < diagonals_.size(); ++block) {
                 const Index first = static_cast<Index>(block) * block_rows;
                 const Index count = std::min(block_rows, source_.rows() - first);
@@ -62,6 +56,39 @@ public:
                     multiply_rows(first, count, x.data(), y.data(), z.data());
                 else
                     multiply_diagonals(diagonals_[block], first, count, x.data(), y.data(), z.data());
+            }
+        } else {
+            multiply(x, y);
+            multiply_absolute(x, z);
+        }
+    }
+
+    /// y = A x.
+    void multiply(const ConstVectorRef& x, VectorRef y) const {
+        if (const DenseMatrix* A = source_.dense())
+            y.noalias() = *A * x;
+        else if (const Vector* d = source_.diagonal_entries())
+            y = d->cwiseProduct(x);
+        else
+            for (Index i = 0; i < source_.rows(); ++i) {
+                double sum = 0;
+                for (auto k = begin_of(i); k < begin_of(i + 1); ++k) sum += value_[k] * x[column_[k]];
+                y[i] = sum;
+            }
+    }
+
+    /// z = |A||x|.
+    void multiply_absolute(const ConstVectorRef& x, VectorRef z) const {
+        if (source_.dense()) {
+            size_ = x.cwiseAbs();
+            z.noalias() = absolute_ * size_;
+        } else if (const Vector* d = source_.diagonal_entries()) {
+            z = d->cwiseProduct(x).cwiseAbs();
+        } else {
+            for (Index i = 0; i < source_.rows(); ++i) {
+                double sum = 0;
+                for (auto k = begin_of(i); k < begin_of(i + 1); ++k) sum += std::abs(value_[k] * x[column_[k]]);
+                z[i] = sum;
             }
         }
     }
@@ -204,31 +231,31 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     const Index m = w.gap.size();
     if (m == 0) return kkt;
 
-    w.B.multiply(u, w.gap, w.gap_scale);
-    double gap_scale = 0, multiplier_scale = 0, penetration = 0, negativity = 0;
-    for (Index i = 0; i < m; ++i) {
-        multiplier_scale = std::max(multiplier_scale, std::abs(lambda[i]));
-        negativity = std::max(negativity, -lambda[i]);
-        if (c[i] == -infinity) {
-            // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
-            if (lambda[i] != 0) kkt.complementarity = infinity;
-            continue;
-        }
-        w.gap[i] -= c[i];
-        gap_scale = std::max(gap_scale, w.gap_scale[i] + std::abs(c[i]));
-        penetration = std::max(penetration, -w.gap[i]);
-    }
+    w.B.multiply(u, w.gap);
+    w.gap -= c;  // +infinity where a row is off
+    const double penetration = size_of((-w.gap).cwiseMax(0.0));
+    const double multiplier_scale = size_of(lambda.cwiseAbs());
     kkt.absolute.penetration = penetration;
+    if (penetration == 0 && multiplier_scale == 0) return kkt;
+
+    w.B.multiply_absolute(u, w.gap_scale);
+    const auto off = c.array() == -infinity;
+    const double gap_scale = size_of(off.select(0.0, w.gap_scale.array() + c.array().abs()));
+    const double negativity = size_of((-lambda).cwiseMax(0.0));
     kkt.absolute.negativity = negativity;
     kkt.penetration = ratio(penetration, gap_scale);
     kkt.negativity = ratio(negativity, multiplier_scale);
-    if (multiplier_scale > 0 && gap_scale > 0)
-        for (Index i = 0; i < m; ++i)
-            if (lambda[i] > 0 && c[i] != -infinity) {
-                const double share = lambda[i] / multiplier_scale;
-                kkt.complementarity = std::max(kkt.complementarity, std::min(w.gap[i] / gap_scale, share));
-                kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, w.gap[i] * share);
-            }
+    for (Index i = 0; i < m; ++i) {
+        if (lambda[i] == 0) continue;
+        if (c[i] == -infinity) {
+            // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
+            kkt.complementarity = infinity;
+        } else if (lambda[i] > 0 && gap_scale > 0) {
+            const double share = lambda[i] / multiplier_scale;
+            kkt.complementarity = std::max(kkt.complementarity, std::min(w.gap[i] / gap_scale, share));
+            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, w.gap[i] * share);
+        }
+    }
     return kkt;
 }
 

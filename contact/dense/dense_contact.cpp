@@ -32,6 +32,7 @@ public:
         scale_ = (dense_B * W_).diagonal();
         for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
         B_ = scale_.asDiagonal() * dense_B;
+        largest_unit_ = scale_.size() > 0 ? 1 / scale_.minCoeff() : 0;
         W_ = W_ * scale_.asDiagonal();
         S_ = B_ * W_;
         S_ = (0.5 * (S_ + S_.transpose())).eval();
@@ -50,16 +51,14 @@ public:
         double gap_size = 0;
         if (m > 0) {
             g_.noalias() = B_ * u_;
-            g_ = -g_;
-            double size = g_.cwiseAbs().maxCoeff();  // in energy units
-            for (Index i = 0; i < m; ++i) {
-                const double ci = c[i] * scale_[i];
-                if (ci != -infinity) size = std::max(size, std::abs(ci));
-                g_[i] += ci;
-            }
-            const double tolerance = gap_tolerance * size;
-            gap_size = size / scale_.minCoeff();
-            if (g_.maxCoeff() > tolerance || (point.lambda.array() > 0).any()) {
+            w_ = c.cwiseProduct(scale_);
+            const double largest = (w_ - g_).maxCoeff();  // violation, in energy units
+            if (!(largest <= 0) || (point.lambda.array() > 0).any()) {
+                const double size =
+                    std::max(g_.cwiseAbs().maxCoeff(), (w_.array() == -infinity).select(0, w_).cwiseAbs().maxCoeff());
+                const double tolerance = gap_tolerance * size;
+                gap_size = size * largest_unit_;
+                g_ = w_ - g_;
                 multiplier_ = point.lambda.cwiseQuotient(scale_);
                 const auto dual = dual_.solve(S_, g_, tolerance, multiplier_, w_);
                 report.iterations = dual.iterations;
@@ -100,6 +99,7 @@ private:
     std::unique_ptr<const Factor> factor_;
     Vector inverse_;  // of A's diagonal, where it is diagonal
     Vector scale_;
+    double largest_unit_ = 0;  // of a gap of energy one
     DenseMatrix B_, W_, S_;
     GoldfarbIdnani dual_;
     Vector u_, g_, w_, multiplier_, lambda_;
