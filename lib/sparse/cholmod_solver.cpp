@@ -3,33 +3,35 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <sstream>
 #include <string>
-#include <vector>
 
 #include "tact/lib/errors.hpp"
+#include "tact/lib/sparse/supernodal_factor.hpp"
 
 namespace tact {
 namespace {
 
-/// Owns the library's settings and work space; one per factor, so that factors do not share state.
-class Common {
+/// Owns the library's settings, its work space and one factor, until that has been read out.
+class Library {
 public:
-    Common() {
-        cholmod_l_start(&common_);
-        common_.print = 0;
-        common_.supernodal = CHOLMOD_SUPERNODAL;
+    Library() {
+        cholmod_l_start(&common);
+        common.print = 0;
+        common.supernodal = CHOLMOD_SUPERNODAL;
         // METIS does not pay on these meshes: AMD alone.
-        common_.nmethods = 1;
-        common_.method[0].ordering = CHOLMOD_AMD;
+        common.nmethods = 1;
+        common.method[0].ordering = CHOLMOD_AMD;
     }
-    ~Common() { cholmod_l_finish(&common_); }
-    Common(const Common&) = delete;
-    Common& operator=(const Common&) = delete;
-    cholmod_common* operator&() { return &common_; }  // NOLINT: the library asks for the address at every call
-    const cholmod_common* operator->() const { return &common_; }
+    ~Library() {
+        cholmod_l_free_factor(&factor, &common);
+        cholmod_l_finish(&common);
+    }
+    Library(const Library&) = delete;
+    Library& operator=(const Library&) = delete;
 
-private:
-    cholmod_common common_{};
+    cholmod_common common{};
+    cholmod_factor* factor = nullptr;
 };
 
 cholmod_sparse lower_view(const SparseMatrix& A) {
@@ -49,81 +51,61 @@ cholmod_sparse lower_view(const SparseMatrix& A) {
     return view;
 }
 
+/// `name` is the matrix in messages.
+SupernodalFactor factor_block(const SparseMatrix& block, const std::string& name) {
+    Library library;
+    cholmod_common& common = library.common;
+    cholmod_sparse view = lower_view(block);
+    library.factor = cholmod_l_analyze(&view, &common);
+    if (library.factor) cholmod_l_factorize(&view, library.factor, &common);
+    const cholmod_factor* L = library.factor;
+    if (!L || common.status < CHOLMOD_OK)
+        throw NumericalError("CHOLMOD: factoring " + name + " failed with status " + std::to_string(common.status));
+    if (common.status == CHOLMOD_NOT_POSDEF || L->minor < L->n)
+        throw NumericalError("CHOLMOD: " + name + " is singular or not positive definite (pivot " +
+                             std::to_string(L->minor) + ")");
+    // A pivot at rounding level of the largest is a floating body that slipped through.
+    const double rcond = cholmod_l_rcond(library.factor, &common);
+    if (!(rcond > 1e-15)) {
+        std::ostringstream text;
+        text << "CHOLMOD: " << name << " is singular to rounding (reciprocal condition " << rcond << ")";
+        throw NumericalError(text.str());
+    }
+    return SupernodalFactor({.n = static_cast<Index>(L->n),
+                             .supernodes = static_cast<Index>(L->nsuper),
+                             .super = static_cast<const long*>(L->super),
+                             .row_begin = static_cast<const long*>(L->pi),
+                             .value_begin = static_cast<const long*>(L->px),
+                             .rows = static_cast<const long*>(L->s),
+                             .values = static_cast<const double*>(L->x),
+                             .permutation = static_cast<const long*>(L->Perm)});
+}
+
 class CholmodFactor final : public Factor {
 public:
-    CholmodFactor(const SparseMatrix& A, Index blocks) : blocks_(blocks), n_(A.rows() / blocks) {
-        const SparseMatrix block = A.topLeftCorner(n_, n_);
-        cholmod_sparse view = lower_view(block);
-        factor_ = cholmod_l_analyze(&view, &common_);
-        if (!factor_) fail("analysis");
-        cholmod_l_factorize(&view, factor_, &common_);
-        if (common_->status == CHOLMOD_NOT_POSDEF || factor_->minor < factor_->n) {
-            const auto column = std::to_string(factor_->minor);
-            release();
-            throw NumericalError("CHOLMOD: the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) +
-                                 " sparse matrix is singular or not positive definite (pivot " + column + ")");
-        }
-        if (common_->status < CHOLMOD_OK) fail("factorisation");
-        // A pivot at rounding level of the largest is a floating body that slipped through.
-        const double rcond = cholmod_l_rcond(factor_, &common_);
-        if (!(rcond > 1e-15)) {
-            release();
-            throw NumericalError("CHOLMOD: the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) +
-                                 " sparse matrix is singular to rounding (reciprocal condition " +
-                                 std::to_string(rcond) + ")");
-        }
-    }
-    ~CholmodFactor() override { release(); }
-    CholmodFactor(const CholmodFactor&) = delete;
-    CholmodFactor& operator=(const CholmodFactor&) = delete;
+    CholmodFactor(const SparseMatrix& A, Index blocks)
+        : blocks_(blocks),
+          n_(A.rows() / blocks),
+          factor_(factor_block(A.topLeftCorner(n_, n_), "the " + std::to_string(A.rows()) + "x" +
+                                                            std::to_string(A.cols()) + " sparse matrix")) {}
 
     Index size() const override { return blocks_ * n_; }
 
     void solve(Eigen::Ref<DenseMatrix> B) const override {
-        if (B.outerStride() == B.rows() || B.cols() == 1) {
+        if (blocks_ == 1) {
+            factor_.solve(B.data(), B.outerStride(), B.cols());
+        } else if (B.outerStride() == B.rows() || B.cols() == 1) {
             // blocks side by side are the columns of one right-hand side
-            solve_columns(B.data(), n_, blocks_ * B.cols());
+            factor_.solve(B.data(), n_, blocks_ * B.cols());
         } else {
-            for (Index j = 0; j < B.cols(); ++j) solve_columns(B.col(j).data(), n_, blocks_);
+            for (Index j = 0; j < B.cols(); ++j) factor_.solve(B.col(j).data(), n_, blocks_);
         }
     }
 
 private:
-    void solve_columns(double* data, Index leading, Index columns) const {
-        cholmod_dense right{};
-        right.nrow = static_cast<std::size_t>(n_);
-        right.ncol = static_cast<std::size_t>(columns);
-        right.d = static_cast<std::size_t>(leading);
-        right.nzmax = right.d * right.ncol;
-        right.x = data;
-        right.xtype = CHOLMOD_REAL;
-        right.dtype = CHOLMOD_DOUBLE;
-        cholmod_l_solve2(CHOLMOD_A, factor_, &right, nullptr, &solution_, nullptr, &work1_, &work2_, &common_);
-        if (common_->status < CHOLMOD_OK || !solution_)
-            throw NumericalError("CHOLMOD: solve failed with status " + std::to_string(common_->status));
-        std::copy_n(static_cast<const double*>(solution_->x), n_ * columns, data);
-    }
-
-    [[noreturn]] void fail(const char* where) {
-        const auto status = std::to_string(common_->status);
-        release();
-        throw NumericalError(std::string("CHOLMOD: ") + where + " failed with status " + status);
-    }
-
-    void release() {
-        cholmod_l_free_factor(&factor_, &common_);
-        cholmod_l_free_dense(&solution_, &common_);
-        cholmod_l_free_dense(&work1_, &common_);
-        cholmod_l_free_dense(&work2_, &common_);
-    }
-
     Index blocks_;
     Index n_;
-    mutable Common common_;
-    cholmod_factor* factor_ = nullptr;
-    mutable cholmod_dense* solution_ = nullptr;
-    mutable cholmod_dense* work1_ = nullptr;
-    mutable cholmod_dense* work2_ = nullptr;
+    SupernodalFactor factor_;
 };
 
 bool repeats(const SparseMatrix& A, Index size, Index count) {
