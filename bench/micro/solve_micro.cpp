@@ -1,0 +1,63 @@
+// One solve with a sparse Cholesky factor: CholmodSolver's against Eigen's, on the two plates and the static membrane.
+#include <benchmark/benchmark.h>
+
+#include <Eigen/SparseCholesky>
+
+#include "tact/lib/scenes/membrane.hpp"
+#include "tact/lib/scenes/plates.hpp"
+#include "tact/lib/sparse/cholmod_solver.hpp"
+
+namespace {
+
+using namespace tact;
+
+/// The stage matrix of two identical plates: one factor of 10,000 unknowns, two columns a right-hand side.
+Matrix plates() {
+    const double a = 1.5 / 2e-4;
+    const ContactProblem problem = two_plates(100).problem;
+    return combine(a * a, *problem.M, 1, problem.K);
+}
+
+Matrix static_membrane() {
+    const MembraneFamily family(200);
+    return family.at((family.lower() + family.upper()) / 2).K;
+}
+
+void ours(benchmark::State& state, Matrix (*matrix)()) {
+    const Matrix A = matrix();
+    const auto factor = CholmodSolver().factorize(A);
+    const DenseMatrix B = DenseMatrix::Ones(A.rows(), state.range(0));
+    DenseMatrix X = B;
+    for (auto _ : state) {
+        factor->solve(X);
+        benchmark::DoNotOptimize(X.data());
+        state.PauseTiming();
+        X = B;
+        state.ResumeTiming();
+    }
+}
+
+void eigen(benchmark::State& state, Matrix (*matrix)()) {
+    const SparseMatrix A = matrix().to_sparse();
+    const Eigen::SimplicialLLT<SparseMatrix> factor(A);
+    const DenseMatrix B = DenseMatrix::Ones(A.rows(), state.range(0));
+    DenseMatrix X = B;
+    for (auto _ : state) {
+        X = factor.solve(B);
+        benchmark::DoNotOptimize(X.data());
+    }
+}
+
+void factorize(benchmark::State& state, Matrix (*matrix)()) {
+    const Matrix A = matrix();
+    for (auto _ : state) benchmark::DoNotOptimize(CholmodSolver().factorize(A));
+}
+
+BENCHMARK_CAPTURE(ours, plates, plates)->Arg(1)->Arg(16)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(eigen, plates, plates)->Arg(1)->Arg(16)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(ours, membrane, static_membrane)->Arg(1)->Arg(2)->Arg(32)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(eigen, membrane, static_membrane)->Arg(1)->Arg(2)->Arg(32)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(factorize, plates, plates)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(factorize, membrane, static_membrane)->Unit(benchmark::kMillisecond);
+
+}  // namespace
