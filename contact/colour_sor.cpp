@@ -137,34 +137,33 @@ private:
 
     /// One pass over all colours; returns the largest change of an unknown.
     double sweep() {
-        double change[lanes] = {};
+        using Lanes = SlicedEll::Lanes;
+        Lanes change = {};
         double* x = x_.data() + padding;
         for (std::size_t k = 0; k < sweep_.size(); ++k) {
             const SlicedEll& rows = sweep_[k];
-            for (Index s = 0; s < rows.slices(); ++s) {
-                double sum[lanes];
+            const Index slices = rows.slices();
+            for (Index s = 0; s < slices; ++s) {
+                Lanes sum;
                 rows.multiply_slice(s, x, sum);
                 const Index at = start_[k] + s * lanes;
-                double* xs = x + at;
-                const double* bs = b_.data() + padding + at;
-                const double* ls = lower_.data() + padding + at;
-                double next[lanes];
-                for (int l = 0; l < lanes; ++l) {
-                    const double relaxed = xs[l] + omega_ * (bs[l] - sum[l] - xs[l]);
-                    next[l] = relaxed > ls[l] ? relaxed : ls[l];
-                }
+                const Lanes old = SlicedEll::load(x + at);
+                const Lanes lower = SlicedEll::load(lower_.data() + padding + at);
+                Lanes next = old + omega_ * (SlicedEll::load(b_.data() + padding + at) - sum - old);
+                next = next > lower ? next : lower;
                 if (!lower_only_) {
-                    const double* us = upper_.data() + padding + at;
-                    for (int l = 0; l < lanes; ++l) next[l] = next[l] < us[l] ? next[l] : us[l];
+                    const Lanes upper = SlicedEll::load(upper_.data() + padding + at);
+                    next = next < upper ? next : upper;
                 }
-                for (int l = 0; l < lanes; ++l) {
-                    const double d = std::abs(next[l] - xs[l]);
-                    change[l] = d > change[l] ? d : change[l];
-                    xs[l] = next[l];
-                }
+                SlicedEll::store(x + at, next);
+                const Lanes up = next - old, down = old - next;
+                const Lanes step = up > down ? up : down;
+                change = step > change ? step : change;
             }
         }
-        return *std::max_element(change, change + lanes);
+        double largest = 0;
+        for (int l = 0; l < lanes; ++l) largest = std::max(largest, change[l]);
+        return largest;
     }
 
     /// lambda_i = (A u - b) at the unknown, over the weight, where the bound of row i is the one it lies on.
@@ -178,7 +177,7 @@ private:
             const auto k =
                 static_cast<std::size_t>(std::upper_bound(start_.begin(), start_.end(), at) - start_.begin()) - 1;
             const Index row = at - start_[k];
-            double sum[lanes];
+            SlicedEll::Lanes sum;
             sweep_[k].multiply_slice(row / lanes, x, sum);
             const double force = (sum[row % lanes] + x[at] - b_[at + padding]) * unknown_scale_[i] / weight_[i];
             if (force > 0) {

@@ -60,7 +60,11 @@ SlicedEll::SlicedEll(const SparseMatrix& by_row, const std::vector<Index>& order
 }
 
 void SlicedEll::multiply(const double* x, double* y) const {
-    for (Index s = 0; s < slices(); ++s) multiply_slice(s, x, y + s * lanes);
+    for (Index s = 0; s < slices(); ++s) {
+        Lanes sum;
+        multiply_slice(s, x, sum);
+        store(y + s * lanes, sum);
+    }
 }
 
 std::vector<int> greedy_colouring(const SparseMatrix& A) {

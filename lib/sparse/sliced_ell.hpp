@@ -1,6 +1,7 @@
 // A sparse matrix in slices of eight rows, for products and sweeps at vector speed.
 #pragma once
 
+#include <cstring>
 #include <vector>
 
 #include "tact/lib/types.hpp"
@@ -25,21 +26,32 @@ public:
     Index rows() const { return rows_; }
     Index slices() const { return static_cast<Index>(slice_.size()) - 1; }
 
-    /// sum[l] = (A x)_l for the rows of one slice; x points at number 0 of a padded operand.
-    void multiply_slice(Index slice, const double* x, double* sum) const {
-        double s[lanes] = {};
-        for (auto k = slice_[static_cast<std::size_t>(slice)]; k < slice_[static_cast<std::size_t>(slice) + 1]; ++k) {
-            const double* value = &value_[k * lanes];
+    /// One number a lane, in a vector register where there is one: GCC's and Clang's vector extension.
+    typedef double Lanes
+        __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT: `using` takes no attribute here
+    static Lanes load(const double* x) {
+        Lanes v;
+        std::memcpy(&v, x, sizeof(v));
+        return v;
+    }
+    static void store(double* x, const Lanes& v) { std::memcpy(x, &v, sizeof(v)); }
+
+    /// (A x)_l for the rows of one slice; x points at number 0 of a padded operand.
+    void multiply_slice(Index slice, const double* x, Lanes& sum) const {
+        Lanes s = {};
+        const std::size_t end = slice_[static_cast<std::size_t>(slice) + 1];
+        for (auto k = slice_[static_cast<std::size_t>(slice)]; k < end; ++k) {
             const long column = column_[k];
             if (column >= first_run) {
-                const double* operand = x + column;
-                for (int l = 0; l < lanes; ++l) s[l] += value[l] * operand[l];
+                s += load(&value_[k * lanes]) * load(x + column);
             } else {
                 const int* index = &index_[static_cast<std::size_t>(gathered - column) * lanes];
-                for (int l = 0; l < lanes; ++l) s[l] += value[l] * x[index[l]];
+                const Lanes operand = {x[index[0]], x[index[1]], x[index[2]], x[index[3]],
+                                       x[index[4]], x[index[5]], x[index[6]], x[index[7]]};
+                s += load(&value_[k * lanes]) * operand;
             }
         }
-        for (int l = 0; l < lanes; ++l) sum[l] = s[l];
+        sum = s;
     }
 
     /// y = A x, both padded.
