@@ -12,13 +12,13 @@
 namespace tact::bench {
 
 struct CaseOptions {
-    std::string scene;                ///< as study_scene names them
-    Index n = 0;                      ///< nodes a side; 0: the paper's
-    std::vector<double> gamma;        ///< as many as the scene has parameters
-    std::optional<double> dt, t_end;  ///< absent: the paper's; static scenes take neither
+    std::string scene = {};                     ///< as study_scene names them
+    Index n = 0;                                ///< nodes a side; 0: the paper's
+    std::vector<double> gamma = {};             ///< as many as the scene has parameters
+    std::optional<double> dt = {}, t_end = {};  ///< absent: the paper's; static scenes take neither
     std::string integrator = "bdf2";
-    std::vector<double> at;                     ///< times on the grid; empty: the end
-    std::vector<std::array<double, 2>> points;  ///< in the unit square; empty: its centre
+    std::vector<double> at = {};                     ///< times on the grid; empty: the end
+    std::vector<std::array<double, 2>> points = {};  ///< in the unit square; empty: its centre
 };
 
 /// Runs it: {"scene", "n", "unknowns", "contact_constraints", "gamma", "steps", "outcome", "first_contact_step",

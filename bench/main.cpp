@@ -5,6 +5,8 @@
 
 #include "tact/bench/case.hpp"
 #include "tact/bench/interrupt.hpp"
+#include "tact/bench/report.hpp"
+#include "tact/bench/speedup.hpp"
 #include "tact/lib/errors.hpp"
 #include "tact/lib/io/write_file.hpp"
 
@@ -45,10 +47,40 @@ void add_case(CLI::App& app, int& code) {
     });
 }
 
+/// What every study takes.
+struct StudyArguments {
+    std::string size = "full";
+    int repeats = 5;
+    std::string out = "results";
+};
+
+void add_study_options(CLI::App& command, StudyArguments& arguments) {
+    command.add_option("--size", arguments.size, "full: the paper's grids; small: minutes become seconds")
+        ->check(CLI::IsMember({"full", "small"}))
+        ->capture_default_str();
+    command.add_option("--repeats", arguments.repeats, "Runs a time is the median of")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command.add_option("--out", arguments.out, "Folder of the results")->capture_default_str();
+}
+
+void add_speedup(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("speedup", "Table I: online speed-ups of the three contact problems");
+    const auto arguments = std::make_shared<StudyArguments>();
+    add_study_options(*command, *arguments);
+    command->callback([arguments] {
+        const Json json = run_speedup({.small = arguments->size == "small", .repeats = arguments->repeats});
+        std::cout << speedup_table(json) << "* extrapolated from a sample of steps\n" << std::flush;
+        write_study(arguments->out, "speedup", json, speedup_markdown(json));
+        std::cout << "written: speedup.json, speedup.md and speedup.svg in " << arguments->out << "\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
     int code = 0;
+    add_speedup(app);
     add_case(app, code);
     try {
         app.parse(argc, argv);

@@ -1,0 +1,126 @@
+#include "tact/bench/measure.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "tact/bench/interrupt.hpp"
+#include "tact/bench/timing.hpp"
+#include "tact/integrators/bdf2.hpp"
+#include "tact/lib/trajectory.hpp"
+#include "tact/rom/training/relative_error.hpp"
+
+namespace tact::bench {
+
+Scheme paper_scheme(const StudyScene& scene) {
+    if (scene.is_static()) return {};
+    return {std::make_shared<Bdf2>(), TimeGrid::until(scene.t_end, scene.dt)};
+}
+
+namespace {
+
+[[noreturn]] void did_not_converge(const std::string& who, long step, Outcome outcome) {
+    throw NumericalError(who + ": step " + std::to_string(step) + ": the contact solve ended with " +
+                         std::string(to_string(outcome)));
+}
+
+StaticSolution solve(const std::string& who, const ContactProblem& problem, ContactWorkspace& workspace) {
+    StaticSolution solution = solve_static(problem, workspace);
+    if (solution.report.outcome != Outcome::converged) did_not_converge(who, 1, solution.report.outcome);
+    return solution;
+}
+
+}  // namespace
+
+RunSummary run(const std::string& who, const ContactProblem& problem, const Scheme& scheme,
+               ContactWorkspace& workspace, std::span<const Observer> observers) {
+    throw_if_interrupted();
+    if (!scheme.integrator) {
+        const StaticSolution solution = solve(who, problem, workspace);
+        return {std::string(solution.report.strategy), solution.report.kkt.largest(), solution.report.active, 0};
+    }
+    std::vector<Observer> all(observers.begin(), observers.end());
+    all.push_back(stop_on_interrupt());
+    const MarchReport march = integrate(*scheme.integrator, problem, scheme.grid, workspace, all);
+    throw_if_interrupted();
+    if (march.outcome != Outcome::converged) did_not_converge(who, march.last.step, march.outcome);
+    return {std::string(march.last.contact.strategy), march.worst_kkt.largest(), march.most_active,
+            march.first_contact_step};
+}
+
+Replay replay(const ContactSolver& solver, const std::vector<SampledSolve>& samples, int repeats,
+              Progress& progress) {
+    Replay result;
+    std::unique_ptr<PreparedContact> prepared;
+    const Matrix* prepared_A = nullptr;
+    for (const SampledSolve& sample : samples) {
+        Vector u, lambda;
+        const auto solve_sample = [&] {
+            u = sample.u;
+            lambda = sample.lambda;
+            return prepared->solve(sample.b, sample.c, {u, lambda}).outcome;
+        };
+        if (!prepared_A || !prepared_A->same_storage(sample.A)) {
+            prepared = solver.prepare(sample.A, sample.B);
+            prepared_A = &sample.A;
+            (void)solve_sample();
+        }
+        std::vector<double> times;
+        Outcome outcome = Outcome::converged;
+        for (int k = 0; k < repeats; ++k) {
+            throw_if_interrupted();
+            times.push_back(seconds_of([&] { outcome = solve_sample(); }));
+            progress.add(1.0 / repeats);
+        }
+        result.seconds.push_back(median(times));
+        if (outcome != Outcome::converged) ++result.not_converged;
+        const double size = std::max(sample.solution.norm(), std::numeric_limits<double>::min());
+        result.worst_difference = std::max(result.worst_difference, (u - sample.solution).norm() / size);
+    }
+    return result;
+}
+
+WorstErrors worst_errors(const StudyScene& scene, const Scheme& scheme, const ReducedBasis& basis,
+                         const ContactFamily& reduced, const std::vector<Parameter>& gammas,
+                         ContactWorkspace& full_workspace, ContactWorkspace& reduced_workspace) {
+    WorstErrors worst;
+    std::vector<double> errors;
+    Progress progress(scene.name + ": errors", static_cast<double>(gammas.size()));
+    for (const Parameter& gamma : gammas) {
+        const ContactProblem full = scene.family->at(gamma);
+        const ContactProblem small = reduced.at(gamma);
+        RelativeError error;
+        if (!scheme.integrator) {
+            const StaticSolution u = solve(scene.name + ", full", full, full_workspace);
+            const StaticSolution q = solve(scene.name + ", reduced", small, reduced_workspace);
+            error = relative_error(full, u, basis, q);
+            worst.worst_kkt_full = std::max(worst.worst_kkt_full, u.report.kkt.largest());
+            worst.worst_kkt_reduced = std::max(worst.worst_kkt_reduced, q.report.kkt.largest());
+        } else {
+            const Recording recording{.stride = 1, .initial = true, .multipliers = false};
+            Trajectory u(full, scheme.grid.steps, recording), q(small, scheme.grid.steps, recording);
+            const double before = static_cast<double>(errors.size());
+            const auto tell = [&](const State& state, const StepReport&) {
+                progress.at(before + static_cast<double>(state.step) / static_cast<double>(scheme.grid.steps));
+                return Flow::proceed;
+            };
+            const std::vector<Observer> on_full{u.observer(), tell}, on_reduced{q.observer()};
+            const RunSummary a = run(scene.name + ", full", full, scheme, full_workspace, on_full);
+            const RunSummary b = run(scene.name + ", reduced", small, scheme, reduced_workspace, on_reduced);
+            error = relative_error(full, u, basis, q);
+            worst.worst_kkt_full = std::max(worst.worst_kkt_full, a.worst_kkt);
+            worst.worst_kkt_reduced = std::max(worst.worst_kkt_reduced, b.worst_kkt);
+        }
+        const double gap_scale = full.c.modes.rowwise().sum().cwiseAbs().maxCoeff();
+        worst.penetration_share = std::max(worst.penetration_share, error.penetration);
+        worst.penetration = std::max(worst.penetration, error.penetration * gap_scale);
+        if (errors.empty() || error.squared_percent > worst.squared_percent) worst.worst_gamma = gamma;
+        worst.squared_percent = std::max(worst.squared_percent, error.squared_percent);
+        worst.norm_percent = std::max(worst.norm_percent, error.norm_percent);
+        errors.push_back(error.squared_percent);
+        progress.at(static_cast<double>(errors.size()));
+    }
+    worst.median_squared_percent = median(errors);
+    return worst;
+}
+
+}  // namespace tact::bench

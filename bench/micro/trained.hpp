@@ -1,0 +1,35 @@
+// Small trained models that the micro-benchmarks step.
+#pragma once
+
+#include <memory>
+
+#include "tact/bench/measure.hpp"
+#include "tact/bench/scenes.hpp"
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/rom/training/greedy.hpp"
+#include "tact/rom/training/sampling.hpp"
+
+namespace tact::bench {
+
+/// A scene at small size with a basis of the paper's size: a reduced step costs the same whatever the full size was.
+struct Trained {
+    StudyScene scene;
+    Scheme scheme;
+    TrainingResult result;
+};
+
+inline Trained trained(const char* name, Index n, Index p, int samples) {
+    Trained model{study_scene(name, n), {}, {}};
+    model.scheme = paper_scheme(model.scene);
+    const ContactFamily& family = *model.scene.family;
+    TrainingOptions options;
+    options.max_iterations = samples;
+    options.sizes = [p](int) { return BasisSizes{p, p}; };
+    if (!family.names().empty()) options.candidates = tensor_grid(family.lower(), family.upper(), {3, 3});
+    model.result = train(family, {model.scheme.integrator, model.scheme.grid},
+                         {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
+    return model;
+}
+
+}  // namespace tact::bench

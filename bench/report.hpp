@@ -1,0 +1,28 @@
+// The three files every study leaves, and its table on the terminal.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tact/bench/machine.hpp"
+
+namespace tact::bench {
+
+/// Three significant digits: "0.0123", "1.31e-05", "2230"; "-" for null.
+std::string digits(const Json& number, int significant = 3);
+/// A duration with its unit: "1.31 ms"; "-" for null.
+std::string with_unit(const Json& seconds);
+
+/// Columns of equal width under a header; reads as text and as markdown.
+std::string table(const std::vector<std::vector<std::string>>& rows);
+
+/// One line: processor, compiler, flags, date.
+std::string machine_line(const Json& machine);
+
+/// OUT/NAME.json and .md, then .svg by bench/plots/NAME.py, which reads nothing but the json; each whole or not at all.
+/// NumericalError that says what to do if the figure cannot be drawn (json and md are then there).
+void write_study(const std::filesystem::path& out, const std::string& name, const Json& json,
+                 const std::string& markdown);
+
+}  // namespace tact::bench

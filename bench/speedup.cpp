@@ -1,0 +1,272 @@
+#include "tact/bench/speedup.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include "tact/bench/interior_point.hpp"
+#include "tact/bench/interrupt.hpp"
+#include "tact/bench/measure.hpp"
+#include "tact/bench/timing.hpp"
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/contact/klu_active_set.hpp"
+#include "tact/rom/training/greedy.hpp"
+#include "tact/rom/training/sampling.hpp"
+
+namespace tact::bench {
+namespace {
+
+/// What the study asks of one scene.
+struct SceneStudy {
+    StudyScene scene;
+    TrainingOptions training;
+    std::vector<Parameter> tests;
+    double paper_speedup;
+};
+
+constexpr long sampled_steps = 10;  // of a march, for the slow solvers
+constexpr int sampled_repeats = 3;  // of each, at most: they cost seconds
+constexpr int quarter = 4;
+
+SceneStudy static_obstacle(bool small) {
+    SceneStudy study{study_scene("static-obstacle", small ? 60 : 0), {}, {}, 865};
+    const ContactFamily& family = *study.scene.family;
+    const Index side = small ? 5 : 10;
+    study.training.candidates = tensor_grid(family.lower(), family.upper(), {side, side});
+    study.training.max_iterations = small ? 20 / quarter : 20;
+    const std::vector<Index> counts = small ? std::vector<Index>{13, 5} : std::vector<Index>{25, 11};
+    study.tests = tensor_grid(family.lower(), family.upper(), counts, GridKind::closed);
+    return study;
+}
+
+SceneStudy dynamic_obstacle(bool small) {
+    SceneStudy study{study_scene("dynamic-obstacle", small ? 60 : 0), {}, {}, 302};
+    const ContactFamily& family = *study.scene.family;
+    const Index side = small ? 5 : 10;
+    study.training.candidates = tensor_grid(family.lower(), family.upper(), {side, side});
+    study.training.max_iterations = 10;
+    if (small)
+        study.training.sizes = [](int samples) {
+            const Index p = std::max<Index>(1, paper_sizes(samples).p / quarter);
+            return BasisSizes{p, p};
+        };
+    const std::vector<Index> counts = small ? std::vector<Index>{3, 2} : std::vector<Index>{4, 6};
+    study.tests = tensor_grid(family.lower(), family.upper(), counts, GridKind::closed);
+    if (!small) study.tests.push_back(Eigen::Vector2d(0.3, 0.288));  // where the paper's own model is worst
+    return study;
+}
+
+SceneStudy plates(bool small) {
+    SceneStudy study{study_scene("two-plates", small ? 40 : 0), {}, {Parameter()}, 2229};
+    const Index p = small ? 40 / quarter : 40;
+    study.training.max_iterations = 1;
+    study.training.sizes = [p](int) { return BasisSizes{p, p}; };
+    return study;
+}
+
+TrainingResult train_scene(const SceneStudy& study, const Scheme& scheme, double& seconds) {
+    TrainingOptions options = study.training;
+    Progress progress(study.scene.name + ": training", options.max_iterations);
+    options.observer = [&progress](const TrainingProgress& at) {
+        if (interrupted()) return Flow::stop;
+        // The bar moves with the full runs and the candidates, which take most of an iteration.
+        const double share = at.stage == "full run"     ? 0.4 * at.fraction
+                             : at.stage == "candidates" ? 0.6 + 0.4 * at.fraction
+                                                        : 0.5;
+        progress.at(at.iteration - 1 + share);
+        return Flow::proceed;
+    };
+    TrainingResult result;
+    seconds = seconds_of([&] {
+        result = train(*study.scene.family, {scheme.integrator, scheme.grid},
+                       {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
+    });
+    throw_if_interrupted();
+    if (result.outcome != Outcome::converged)
+        throw NumericalError(study.scene.name + ": training: " + std::string(to_string(result.reason)) + " at step " +
+                             std::to_string(result.failed_step) + " with " + std::string(to_string(result.outcome)));
+    return result;
+}
+
+std::vector<Parameter> outside_training(const SceneStudy& study, const TrainingResult& trained) {
+    if (study.scene.family->names().empty()) return study.tests;
+    std::vector<Parameter> tests;
+    for (const Parameter& gamma : study.tests)
+        if (std::none_of(trained.history.begin(), trained.history.end(),
+                         [&](const TrainingIteration& sample) { return (sample.gamma - gamma).norm() < 1e-9; }))
+            tests.push_back(gamma);
+    return tests;
+}
+
+/// Queries to time: `count` of the tests, spread over them; the only one again and again where there is one.
+std::vector<Parameter> timed_queries(const std::vector<Parameter>& tests, int count) {
+    std::vector<Parameter> queries;
+    for (const long k : spread(count, static_cast<long>(tests.size())))
+        queries.push_back(tests[static_cast<std::size_t>(k)]);
+    while (static_cast<int>(queries.size()) < count) queries.push_back(queries.back());
+    return queries;
+}
+
+/// CPU seconds of one online query, the evaluation of the gap included: all tests in turn, so that single queries of
+/// microseconds add up to what the clock resolves.
+double reduced_seconds(const ContactFamily& reduced, const Scheme& scheme, const std::vector<Parameter>& tests,
+                       int repeats, ContactWorkspace& workspace) {
+    const auto all = [&] {
+        for (const Parameter& gamma : tests) (void)run("reduced", reduced.at(gamma), scheme, workspace);
+    };
+    all();  // prepares the workspace: offline
+    const int loops = std::max(1, static_cast<int>(0.02 / std::max(seconds_of(all), 1e-6)));
+    return median_seconds(repeats,
+                          [&] {
+                              for (int k = 0; k < loops; ++k) all();
+                          }) /
+           (loops * static_cast<double>(tests.size()));
+}
+
+struct FullTimes {
+    double cold = 0, warm = 0;
+    RunSummary last;
+};
+
+FullTimes full_times(const SceneStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries,
+                     ContactWorkspace& workspace) {
+    const ContactFamily& family = *study.scene.family;
+    Progress progress(study.scene.name + ": full runs", 2 * static_cast<double>(queries.size()));
+    FullTimes times;
+    std::vector<double> cold, warm;
+    for (const Parameter& gamma : queries) {
+        ContactWorkspace fresh(std::make_shared<AutomaticContact>());
+        cold.push_back(seconds_of([&] { times.last = run(study.scene.name, family.at(gamma), scheme, fresh); }));
+        progress.add(1);
+    }
+    (void)run(study.scene.name, family.at(study.tests.front()), scheme,
+              workspace);  // the run that fills it: not counted
+    for (const Parameter& gamma : queries) {
+        warm.push_back(seconds_of([&] { times.last = run(study.scene.name, family.at(gamma), scheme, workspace); }));
+        progress.add(1);
+    }
+    times.cold = median(cold);
+    times.warm = median(warm);
+    return times;
+}
+
+std::vector<SampledSolve> sample_run(const SceneStudy& study, const Scheme& scheme,
+                                     const std::vector<Parameter>& queries) {
+    std::vector<SampledSolve> samples;
+    const long runs = scheme.integrator ? 1 : static_cast<long>(queries.size());
+    const std::vector<long> numbers = scheme.integrator ? spread(sampled_steps, scheme.steps()) : spread(runs, runs);
+    ContactWorkspace workspace(
+        std::make_shared<SampledContact>(std::make_shared<AutomaticContact>(), numbers, samples));
+    for (long k = 0; k < runs; ++k)
+        (void)run(study.scene.name, study.scene.family->at(queries[static_cast<std::size_t>(k)]), scheme, workspace);
+    return samples;
+}
+
+/// A whole run from its sampled solves.
+double extrapolate(const Replay& replayed, const Scheme& scheme) {
+    if (!scheme.integrator) return median(replayed.seconds);
+    const double sum = std::accumulate(replayed.seconds.begin(), replayed.seconds.end(), 0.0);
+    return sum / static_cast<double>(replayed.seconds.size()) * static_cast<double>(scheme.steps());
+}
+
+Json compare(Json& row, const std::string& field, const std::string& label, const ContactSolver* solver,
+             const std::vector<SampledSolve>& samples, const Scheme& scheme, int repeats) {
+    if (!solver) return nullptr;
+    repeats = std::min(repeats, sampled_repeats);
+    Progress progress(row["scene"].get<std::string>() + ": " + label, static_cast<double>(samples.size()));
+    const Replay replayed = replay(*solver, samples, repeats, progress);
+    row[field + "_max_difference"] = replayed.worst_difference;
+    row[field + "_not_converged"] = replayed.not_converged;
+    if (scheme.integrator)
+        row["extrapolated"].push_back(
+            {{"field", field + "_seconds"},
+             {"how", "mean over " + std::to_string(samples.size()) +
+                         " steps spread evenly over the march, each started from "
+                         "the recorded state before it (median of " +
+                         std::to_string(repeats) + "), times " + std::to_string(scheme.steps()) + " steps"}});
+    return extrapolate(replayed, scheme);
+}
+
+Json ratio(const Json& seconds, double reduced) {
+    return seconds.is_number() ? Json(seconds.get<double>() / reduced) : Json();
+}
+
+Json row_of(const SceneStudy& study, int repeats) {
+    const StudyScene& scene = study.scene;
+    const Scheme scheme = paper_scheme(scene);
+    double training_seconds = 0;
+    const TrainingResult trained = train_scene(study, scheme, training_seconds);
+    const std::vector<Parameter> tests = outside_training(study, trained);
+    const std::vector<Parameter> queries = timed_queries(tests, repeats);
+
+    ContactWorkspace full_workspace(std::make_shared<AutomaticContact>());
+    ContactWorkspace reduced_workspace(std::make_shared<DenseContact>());
+    const FullTimes full = full_times(study, scheme, queries, full_workspace);
+    const double reduced = reduced_seconds(*trained.reduced, scheme, tests, repeats, reduced_workspace);
+    const WorstErrors worst =
+        worst_errors(scene, scheme, trained.basis, *trained.reduced, tests, full_workspace, reduced_workspace);
+    const std::vector<SampledSolve> samples = sample_run(study, scheme, queries);
+
+    const ContactProblem problem = scene.family->at(tests.front());
+    Json row;
+    row["scene"] = scene.name;
+    row["unknowns"] = problem.size();
+    row["contact_constraints"] = problem.constraints();
+    row["steps"] = scheme.steps();
+    row["p"] = trained.basis.primal_size();
+    row["p_lambda"] = trained.basis.dual_size();
+    row["full_seconds"] = full.warm;
+    row["full_cold_seconds"] = full.cold;
+    row["full_method"] = full.last.strategy;
+    row["full_klu_refactor_seconds"] = nullptr;  // here for the order of the fields
+    row["interior_point_seconds"] = nullptr;
+    row["reduced_seconds"] = reduced;
+    row["reduced_seconds_per_step"] = reduced / static_cast<double>(scheme.steps());
+    row["training_seconds"] = training_seconds;
+    row["training_samples"] = trained.history.size();
+    row["speedup"] = full.warm / reduced;
+    row["speedup_vs_klu_refactor"] = nullptr;
+    row["speedup_vs_interior_point"] = nullptr;
+    row["paper_speedup"] = study.paper_speedup;
+    row["relative_error_percent"] = worst.squared_percent;
+    row["relative_error_norm"] = worst.norm_percent / 100;
+    row["median_relative_error_percent"] = worst.median_squared_percent;
+    row["error_over"] = scene.family->names().empty()
+                            ? "the training run itself (reproductive)"
+                            : "the worst of " + std::to_string(tests.size()) + " parameters outside the training set";
+    row["test_parameters"] = tests.size();
+    row["worst_parameter"] = std::vector<double>(worst.worst_gamma.begin(), worst.worst_gamma.end());
+    row["max_penetration"] = worst.penetration;
+    row["max_penetration_over_gap_scale"] = worst.penetration_share;
+    row["max_kkt_residual_full"] = worst.worst_kkt_full;
+    row["max_kkt_residual_reduced"] = worst.worst_kkt_reduced;
+    row["extrapolated"] = Json::array();
+
+    row["full_klu_refactor_seconds"] = compare(row, "full_klu_refactor", "KLU refactorisation",
+                                               std::make_unique<KluActiveSet>().get(), samples, scheme, repeats);
+    const auto ipopt = interior_point();
+    row["interior_point_seconds"] =
+        compare(row, "interior_point", "interior point", ipopt.get(), samples, scheme, repeats);
+    row["speedup_vs_klu_refactor"] = ratio(row["full_klu_refactor_seconds"], reduced);
+    row["speedup_vs_interior_point"] = ratio(row["interior_point_seconds"], reduced);
+    return row;
+}
+
+}  // namespace
+
+Json run_speedup(const SpeedupOptions& options) {
+    if (options.repeats < 1)
+        throw InputError("speedup: repeats is " + std::to_string(options.repeats) + ", expected at least 1");
+    Json json;
+    json["study"] = "speedup";
+    json["size"] = options.small ? "small" : "full";
+    json["repeats"] = options.repeats;
+    json["machine"] = machine();
+    json["rows"] = Json::array();
+    for (const auto& study : {static_obstacle, dynamic_obstacle, plates})
+        json["rows"].push_back(row_of(study(options.small), options.repeats));
+    return json;
+}
+
+}  // namespace tact::bench

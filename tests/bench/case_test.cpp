@@ -1,0 +1,80 @@
+#include "tact/bench/case.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tact/lib/errors.hpp"
+
+namespace tact::bench {
+namespace {
+
+TEST(Case, StaticObstacle) {
+    const Json json =
+        run_case({.scene = "static-obstacle", .n = 20, .gamma = {0.45, 0.4}, .points = {{0.5, 0.5}, {0, 0.3}}});
+    EXPECT_EQ(json["outcome"], "converged");
+    EXPECT_EQ(json["unknowns"], 400);
+    EXPECT_FALSE(json.contains("dt"));
+    EXPECT_LT(json["kkt"]["largest"], 1e-10);
+    const Json& state = json["states"].at(0);
+    EXPECT_GT(state["active"], 0);
+    EXPECT_NEAR(state["points"][0]["u"], -0.66, 0.05);
+    EXPECT_EQ(state["points"][1]["u"], 0);
+    EXPECT_LT(state["energy"]["total"], -1.6);
+}
+
+TEST(Case, DynamicObstacleInTheOrderAskedFor) {
+    const Json json =
+        run_case({.scene = "dynamic-obstacle", .n = 16, .gamma = {0.6, 0.6}, .t_end = 0.5, .at = {0.5, 0, 0.25}});
+    EXPECT_EQ(json["integrator"], "BDF2");
+    EXPECT_EQ(json["steps"], 100);
+    ASSERT_EQ(json["states"].size(), 3u);
+    EXPECT_EQ(json["states"][0]["step"], 100);
+    EXPECT_EQ(json["states"][1]["energy"]["total"], 0);
+    EXPECT_EQ(json["states"][2]["step"], 50);
+    EXPECT_GT(json["first_contact_step"], 40);
+    EXPECT_LT(json["kkt"]["largest"], 1e-10);
+}
+
+TEST(Case, TwoPlatesReportsBothFromTheirOwnRest) {
+    const Json json =
+        run_case({.scene = "two-plates", .n = 10, .t_end = 0.02, .at = {0.002, 0.02}, .points = {{0.3, 0.4}}});
+    const Json& first = json["states"][0]["points"][0];
+    EXPECT_GT(first["lower"], 0);
+    EXPECT_EQ(first["upper"], 0);
+    EXPECT_GT(json["first_contact_step"], 10);
+    EXPECT_GT(json["states"][1]["max_u"], 0);
+}
+
+TEST(Case, RejectsBadInput) {
+    EXPECT_THROW(run_case({.scene = "three-plates"}), InputError);
+    EXPECT_THROW(run_case({.scene = "two-plates", .n = 2}), InputError);
+    EXPECT_THROW(run_case({.scene = "two-plates", .n = -4}), InputError);
+    EXPECT_THROW(run_case({.scene = "two-plates", .n = 5, .gamma = {0.3}}), InputError);
+    EXPECT_THROW(run_case({.scene = "dynamic-obstacle", .n = 5}), InputError);
+    EXPECT_THROW(run_case({.scene = "static-obstacle", .n = 5, .gamma = {0.3, 0.3}, .dt = 0.1}), InputError);
+    const CaseOptions good{.scene = "dynamic-obstacle", .n = 5, .gamma = {0.3, 0.3}, .t_end = 0.02};
+    const auto with = [&](auto change) {
+        CaseOptions options = good;
+        change(options);
+        return options;
+    };
+    EXPECT_NO_THROW(run_case(good));
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.dt = 0; })), InputError);
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.dt = -0.005; })), InputError);
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.dt = 0.003; })), InputError);
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.at = {0.0075}; })), InputError);
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.at = {0.025}; })), InputError);
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.points = {{0.5, 1.5}}; })), InputError);
+    EXPECT_THROW(run_case(with([](CaseOptions& o) { o.integrator = "rk4"; })), InputError);
+}
+
+TEST(Case, ParsesPoints) {
+    using Points = std::vector<std::array<double, 2>>;
+    EXPECT_EQ(parse_points(""), Points());
+    EXPECT_EQ(parse_points(".5,.25"), (Points{{0.5, 0.25}}));
+    EXPECT_EQ(parse_points("0.5,1e-2;1,0;"), (Points{{0.5, 0.01}, {1, 0}}));
+    for (const char* bad : {".5", ".5;.3", ".5,", ".5,.3,.1", "a,b", ".5 .3", ",;"})
+        EXPECT_THROW(parse_points(bad), InputError) << bad;
+}
+
+}  // namespace
+}  // namespace tact::bench
