@@ -74,7 +74,7 @@ std::vector<long> steps_at(const std::vector<double>& times, const TimeGrid& gri
 }
 
 void run_static(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem, Json& json) {
-    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    ContactWorkspace workspace(options.contact);
     StaticSolution solution;
     const double seconds = seconds_of([&] { solution = solve_static(problem, workspace); });
     const ContactReport& report = solution.report;
@@ -113,7 +113,7 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
         progress.at(static_cast<double>(state.step));
         return Flow::proceed;
     };
-    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    ContactWorkspace workspace(options.contact);
     const std::vector<Observer> observers{watch};
     MarchReport march;
     const double seconds = seconds_of([&] { march = integrate(*method, problem, grid, workspace, observers); });
@@ -146,6 +146,7 @@ void check(const CaseOptions& options, const StudyScene& scene) {
 Json run_case(const CaseOptions& given) {
     CaseOptions options = given;
     if (options.points.empty()) options.points = {{0.5, 0.5}};
+    if (!options.contact) options.contact = std::make_shared<AutomaticContact>();
     const StudyScene scene = study_scene(options.scene, options.n);
     check(options, scene);
     const ContactProblem problem =

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tact/bench/machine.hpp"
-#include "tact/lib/types.hpp"
+#include "tact/lib/contact_solver.hpp"
 
 namespace tact::bench {
 
@@ -17,8 +18,9 @@ struct CaseOptions {
     std::vector<double> gamma = {};             ///< as many as the scene has parameters
     std::optional<double> dt = {}, t_end = {};  ///< absent: the paper's; static scenes take neither
     std::string integrator = "bdf2";
-    std::vector<double> at = {};                     ///< times on the grid; empty: the end
-    std::vector<std::array<double, 2>> points = {};  ///< in the unit square; empty: its centre
+    std::vector<double> at = {};                        ///< times on the grid; empty: the end
+    std::vector<std::array<double, 2>> points = {};     ///< in the unit square; empty: its centre
+    std::shared_ptr<const ContactSolver> contact = {};  ///< null: AutomaticContact
 };
 
 /// Runs it: {"scene", "n", "unknowns", "contact_constraints", "gamma", "steps", "outcome", "first_contact_step",

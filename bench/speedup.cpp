@@ -264,8 +264,17 @@ Json run_speedup(const SpeedupOptions& options) {
     json["repeats"] = options.repeats;
     json["machine"] = machine();
     json["rows"] = Json::array();
-    for (const auto& study : {static_obstacle, dynamic_obstacle, plates})
-        json["rows"].push_back(row_of(study(options.small), options.repeats));
+    const std::vector<std::pair<std::string, SceneStudy (*)(bool)>> studies{
+        {"static-obstacle", static_obstacle}, {"dynamic-obstacle", dynamic_obstacle}, {"two-plates", plates}};
+    const auto wanted = [&](const std::string& name) {
+        return options.scenes.empty() || std::ranges::find(options.scenes, name) != options.scenes.end();
+    };
+    for (const std::string& name : options.scenes)
+        if (std::ranges::none_of(studies, [&](const auto& study) { return study.first == name; }))
+            throw InputError("speedup: scene is " + name +
+                             ", expected static-obstacle, dynamic-obstacle or two-plates");
+    for (const auto& [name, study] : studies)
+        if (wanted(name)) json["rows"].push_back(row_of(study(options.small), options.repeats));
     return json;
 }
 

@@ -1,6 +1,9 @@
 // The paper's Table I: online speed-ups of the three contact problems, with errors and certificates.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "tact/bench/machine.hpp"
 
 namespace tact::bench {
@@ -8,6 +11,7 @@ namespace tact::bench {
 struct SpeedupOptions {
     bool small = false;  ///< membrane 60 x 60, plates 40 x 40; bases, candidates and tests a quarter
     int repeats = 5;
+    std::vector<std::string> scenes = {};  ///< rows wanted; empty: all three
 };
 
 /// {"study", "size", "repeats", "machine", "rows": [one a scene]}. Per row: sizes; `full_seconds` of the fastest full

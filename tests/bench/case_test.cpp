@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tact/contact/automatic.hpp"
 #include "tact/lib/errors.hpp"
 
 namespace tact::bench {
@@ -42,6 +43,38 @@ TEST(Case, TwoPlatesReportsBothFromTheirOwnRest) {
     EXPECT_EQ(first["upper"], 0);
     EXPECT_GT(json["first_contact_step"], 10);
     EXPECT_GT(json["states"][1]["max_u"], 0);
+}
+
+/// Gives up at its seventh solve.
+class GivesUp final : public ContactSolver {
+public:
+    std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override {
+        struct Prepared final : PreparedContact {
+            Prepared(std::unique_ptr<PreparedContact> solver, int& count) : inner(std::move(solver)), solves(count) {}
+            ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
+                if (++solves < 7) return inner->solve(b, c, point);
+                ContactReport report;
+                report.outcome = Outcome::iteration_limit;
+                return report;
+            }
+            std::unique_ptr<PreparedContact> inner;
+            int& solves;
+        };
+        return std::make_unique<Prepared>(AutomaticContact().prepare(A, B), *solves_);
+    }
+
+private:
+    std::shared_ptr<int> solves_ = std::make_shared<int>(0);
+};
+
+TEST(Case, SaysWhichStepDidNotConverge) {
+    const Json json =
+        run_case({.scene = "two-plates", .n = 6, .at = {0.0004, 0.4}, .contact = std::make_shared<GivesUp>()});
+    EXPECT_EQ(json["outcome"], "iteration limit");
+    EXPECT_EQ(json["failed_step"], 7);
+    EXPECT_EQ(json["accepted_steps"], 6);
+    EXPECT_EQ(json["message"], "step 7: the contact solve ended with iteration limit");
+    EXPECT_EQ(json["states"].size(), 1u) << "what was reached is there";
 }
 
 TEST(Case, RejectsBadInput) {
