@@ -10,7 +10,7 @@
 namespace tact {
 
 struct NnmfOptions {
-    int max_sweeps = 100;
+    int max_sweeps = 200;
     double tolerance = 1e-3;  ///< stop when a sweep lowers the residual by less than this fraction of itself
     int inner_sweeps = 2;     ///< updates of a factor per product with X, which is what a sweep costs
     /// After each sweep, with the residual |X - U_lambda V| / |X|; false stops.

@@ -1,0 +1,72 @@
+#include "tact/rom/training/sampling.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tact/lib/errors.hpp"
+
+namespace tact {
+namespace {
+
+const Parameter lower = Eigen::Vector2d(0.3, 0.2), upper = Eigen::Vector2d(0.6, 0.6);
+
+TEST(TensorGrid, CellCentredStaysOffTheFacesAndFirstParameterIsFastest) {
+    const auto points = tensor_grid(lower, upper, {10, 4});
+    ASSERT_EQ(points.size(), 40u);
+    EXPECT_NEAR(points[0][0], 0.315, 1e-15);
+    EXPECT_NEAR(points[0][1], 0.25, 1e-15);
+    EXPECT_NEAR(points[1][0], 0.345, 1e-15);
+    EXPECT_EQ(points[1][1], points[0][1]);
+    EXPECT_NEAR(points[39][0], 0.585, 1e-15);
+    EXPECT_NEAR(points[39][1], 0.55, 1e-15);
+}
+
+TEST(TensorGrid, ClosedHoldsTheCornersExactly) {
+    const auto points = tensor_grid(lower, upper, {3, 2}, GridKind::closed);
+    ASSERT_EQ(points.size(), 6u);
+    EXPECT_EQ(points.front(), lower);
+    EXPECT_EQ(points.back(), upper);
+    EXPECT_NEAR(points[1][0], 0.45, 1e-15);
+}
+
+TEST(LatinHypercube, HasOnePointInEachSliceOfEachParameter) {
+    const Index count = 23;
+    const auto points = latin_hypercube(lower, upper, count, 11);
+    for (Index k = 0; k < 2; ++k) {
+        std::vector<int> hits(static_cast<std::size_t>(count), 0);
+        for (const Parameter& x : points) {
+            const double place = (x[k] - lower[k]) / (upper[k] - lower[k]) * static_cast<double>(count);
+            ++hits.at(static_cast<std::size_t>(std::floor(place)));
+        }
+        EXPECT_EQ(std::count(hits.begin(), hits.end(), 1), count);
+    }
+}
+
+TEST(LatinHypercube, IsDecidedByItsSeed) {
+    EXPECT_EQ(latin_hypercube(lower, upper, 9, 5), latin_hypercube(lower, upper, 9, 5));
+    EXPECT_NE(latin_hypercube(lower, upper, 9, 5), latin_hypercube(lower, upper, 9, 6));
+}
+
+TEST(NearestToCentre, MeasuresInUnitsOfTheBoxAndTakesTheFirstOfEquals) {
+    // Four points of an even grid are equally near.
+    EXPECT_EQ(nearest_to_centre(tensor_grid(lower, upper, {10, 10}), lower, upper), 44);
+    EXPECT_EQ(nearest_to_centre(tensor_grid(lower, upper, {3, 3}), lower, upper), 4);
+    const Parameter low = Eigen::Vector2d(0, 0), high = Eigen::Vector2d(1, 1000);
+    EXPECT_EQ(nearest_to_centre({Eigen::Vector2d(0.9, 500), Eigen::Vector2d(0.5, 600)}, low, high), 1);
+}
+
+TEST(Sampling, RefusesBadCountsAndBoxes) {
+    EXPECT_THROW(tensor_grid(lower, upper, {10}), InputError);
+    EXPECT_THROW(tensor_grid(lower, upper, {10, 0}), InputError);
+    EXPECT_THROW(tensor_grid(lower, upper, {10, 1}, GridKind::closed), InputError);
+    EXPECT_THROW(tensor_grid(upper, lower, {10, 10}), InputError);
+    EXPECT_THROW(tensor_grid(lower, Parameter(Vector::Ones(3)), {10, 10}), InputError);
+    EXPECT_THROW(latin_hypercube(lower, upper, 0, 1), InputError);
+    EXPECT_THROW(latin_hypercube(lower, Parameter(Eigen::Vector2d(infinity, 1)), 3, 1), InputError);
+    EXPECT_THROW(nearest_to_centre({}, lower, upper), InputError);
+}
+
+}  // namespace
+}  // namespace tact
