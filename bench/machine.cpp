@@ -11,10 +11,11 @@
 
 #include "tact/bench/interior_point.hpp"
 
-// Weak: there with OpenBLAS, absent with another BLAS. No header, because which BLAS is the distribution's choice.
+// Weak: there with OpenBLAS or OpenMP, absent with others. No headers, because which BLAS it is is the distribution's choice.
 extern "C" {
 [[gnu::weak]] void openblas_set_num_threads(int);
 [[gnu::weak]] char* openblas_get_config();
+[[gnu::weak]] void omp_set_num_threads(int);
 [[gnu::weak]] int SuiteSparse_version(int*);
 [[gnu::weak]] extern const char* gsl_version;
 [[gnu::weak]] int SUNDIALSGetVersion(char*, int);
@@ -81,6 +82,7 @@ Json machine() {
 
 void use_one_thread() {
     if (openblas_set_num_threads && !std::getenv("OPENBLAS_NUM_THREADS")) openblas_set_num_threads(1);
+    if (omp_set_num_threads && !std::getenv("OMP_NUM_THREADS")) omp_set_num_threads(1);
 }
 
 }  // namespace tact::bench

@@ -10,7 +10,7 @@ using Json = nlohmann::ordered_json;
 /// Processor, cores, compiler and its flags, versions of the libraries, date.
 Json machine();
 
-/// One thread in the BLAS, unless the environment says otherwise.
+/// One thread in the BLAS and in OpenMP, unless the environment says otherwise.
 void use_one_thread();
 
 }  // namespace tact::bench

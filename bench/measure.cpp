@@ -1,10 +1,12 @@
 #include "tact/bench/measure.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/timing.hpp"
+#include "tact/contact/automatic.hpp"
 #include "tact/integrators/bdf2.hpp"
 #include "tact/lib/trajectory.hpp"
 #include "tact/rom/training/relative_error.hpp"
@@ -45,6 +47,44 @@ RunSummary run(const std::string& who, const ContactProblem& problem, const Sche
     if (march.outcome != Outcome::converged) did_not_converge(who, march.last.step, march.outcome);
     return {std::string(march.last.contact.strategy), march.worst_kkt.largest(), march.most_active,
             march.first_contact_step};
+}
+
+SampledMarch sample_march(const std::string& who, const ContactProblem& problem, const Scheme& scheme,
+                          long in_contact, long free) {
+    const auto solver = std::make_shared<AutomaticContact>();
+    std::array<std::vector<long>, 2> solves;  // free, in contact; one solve a step
+    const std::vector<Observer> look{[&](const State& state, const StepReport& report) {
+        if (state.step > 0) solves[report.contact.active > 0 ? 1 : 0].push_back(state.step - 1);
+        return Flow::proceed;
+    }};
+    ContactWorkspace first(solver);
+    (void)run(who, problem, scheme, first, look);
+
+    std::vector<std::pair<long, double>> chosen;
+    const std::array<long, 2> wanted{free, in_contact};
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+        const std::vector<long> places = spread(wanted[kind], static_cast<long>(solves[kind].size()));
+        for (const long place : places)
+            chosen.emplace_back(solves[kind][static_cast<std::size_t>(place)],
+                                static_cast<double>(solves[kind].size()) / static_cast<double>(places.size()));
+    }
+    std::ranges::sort(chosen);
+    SampledMarch march;
+    std::vector<long> numbers;
+    for (const auto& [number, steps] : chosen) {
+        numbers.push_back(number);
+        march.stands_for.push_back(steps);
+    }
+    ContactWorkspace second(std::make_shared<SampledContact>(solver, numbers, march.samples));
+    (void)run(who, problem, scheme, second);
+    const auto count = [](std::size_t n) { return std::to_string(n); };
+    march.how = count(std::min<std::size_t>(static_cast<std::size_t>(in_contact), solves[1].size())) + " of the " +
+                count(solves[1].size()) + " steps in contact and " +
+                count(std::min<std::size_t>(static_cast<std::size_t>(free), solves[0].size())) + " of the " +
+                count(solves[0].size()) +
+                " others, spread evenly over the march, each from the recorded state before it, standing for all of "
+                "their kind";
+    return march;
 }
 
 Replay replay(const ContactSolver& solver, const std::vector<SampledSolve>& samples, int repeats,

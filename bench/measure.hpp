@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "tact/bench/progress.hpp"
@@ -32,6 +33,17 @@ struct RunSummary {
 /// `who` is said where it fails.
 RunSummary run(const std::string& who, const ContactProblem& problem, const Scheme& scheme,
                ContactWorkspace& workspace, std::span<const Observer> observers = {});
+
+/// Steps of a march for other solvers to be timed on.
+struct SampledMarch {
+    std::vector<SampledSolve> samples;
+    std::vector<double> stands_for;  ///< so many steps of the march each
+    std::string how;                 ///< in words
+};
+/// Up to `in_contact` of the steps that end in contact and `free` of the others, spread evenly over either kind: what a
+/// step costs differs between them by more than an order of magnitude.
+SampledMarch sample_march(const std::string& who, const ContactProblem& problem, const Scheme& scheme,
+                          long in_contact, long free);
 
 /// Another solver on sampled solves of one (A, B): prepared once and warmed up on the first, neither counted.
 struct Replay {

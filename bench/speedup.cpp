@@ -25,7 +25,8 @@ struct SceneStudy {
     double paper_speedup;
 };
 
-constexpr long sampled_steps = 10;  // of a march, for the slow solvers
+constexpr long sampled_in_contact = 6;  // steps of a march, for the slow solvers
+constexpr long sampled_free = 4;
 constexpr int sampled_repeats = 3;  // of each, at most: they cost seconds
 constexpr int quarter = 4;
 
@@ -151,41 +152,38 @@ FullTimes full_times(const SceneStudy& study, const Scheme& scheme, const std::v
     return times;
 }
 
-std::vector<SampledSolve> sample_run(const SceneStudy& study, const Scheme& scheme,
-                                     const std::vector<Parameter>& queries) {
-    std::vector<SampledSolve> samples;
-    const long runs = scheme.integrator ? 1 : static_cast<long>(queries.size());
-    const std::vector<long> numbers = scheme.integrator ? spread(sampled_steps, scheme.steps()) : spread(runs, runs);
+/// What the slow solvers are timed on: single solves in statics, sampled steps of a march.
+SampledMarch sample(const SceneStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries) {
+    const std::string& name = study.scene.name;
+    if (scheme.integrator)
+        return sample_march(name, study.scene.family->at(queries.front()), scheme, sampled_in_contact, sampled_free);
+    SampledMarch sampled;
+    std::vector<long> numbers(queries.size());
+    std::iota(numbers.begin(), numbers.end(), 0);
     ContactWorkspace workspace(
-        std::make_shared<SampledContact>(std::make_shared<AutomaticContact>(), numbers, samples));
-    for (long k = 0; k < runs; ++k)
-        (void)run(study.scene.name, study.scene.family->at(queries[static_cast<std::size_t>(k)]), scheme, workspace);
-    return samples;
+        std::make_shared<SampledContact>(std::make_shared<AutomaticContact>(), numbers, sampled.samples));
+    for (const Parameter& gamma : queries) (void)run(name, study.scene.family->at(gamma), scheme, workspace);
+    return sampled;
 }
 
 /// A whole run from its sampled solves.
-double extrapolate(const Replay& replayed, const Scheme& scheme) {
-    if (!scheme.integrator) return median(replayed.seconds);
-    const double sum = std::accumulate(replayed.seconds.begin(), replayed.seconds.end(), 0.0);
-    return sum / static_cast<double>(replayed.seconds.size()) * static_cast<double>(scheme.steps());
+double whole_run(const Replay& replayed, const SampledMarch& sampled) {
+    if (sampled.stands_for.empty()) return median(replayed.seconds);
+    return std::inner_product(replayed.seconds.begin(), replayed.seconds.end(), sampled.stands_for.begin(), 0.0);
 }
 
 Json compare(Json& row, const std::string& field, const std::string& label, const ContactSolver* solver,
-             const std::vector<SampledSolve>& samples, const Scheme& scheme, int repeats) {
+             const SampledMarch& sampled, int repeats) {
     if (!solver) return nullptr;
     repeats = std::min(repeats, sampled_repeats);
-    Progress progress(row["scene"].get<std::string>() + ": " + label, static_cast<double>(samples.size()));
-    const Replay replayed = replay(*solver, samples, repeats, progress);
+    Progress progress(row["scene"].get<std::string>() + ": " + label, static_cast<double>(sampled.samples.size()));
+    const Replay replayed = replay(*solver, sampled.samples, repeats, progress);
     row[field + "_max_difference"] = replayed.worst_difference;
     row[field + "_not_converged"] = replayed.not_converged;
-    if (scheme.integrator)
+    if (!sampled.how.empty())
         row["extrapolated"].push_back(
-            {{"field", field + "_seconds"},
-             {"how", "mean over " + std::to_string(samples.size()) +
-                         " steps spread evenly over the march, each started from "
-                         "the recorded state before it (median of " +
-                         std::to_string(repeats) + "), times " + std::to_string(scheme.steps()) + " steps"}});
-    return extrapolate(replayed, scheme);
+            {{"field", field + "_seconds"}, {"how", sampled.how + "; medians of " + std::to_string(repeats)}});
+    return whole_run(replayed, sampled);
 }
 
 Json ratio(const Json& seconds, double reduced) {
@@ -206,7 +204,7 @@ Json row_of(const SceneStudy& study, int repeats) {
     const double reduced = reduced_seconds(*trained.reduced, scheme, tests, repeats, reduced_workspace);
     const WorstErrors worst =
         worst_errors(scene, scheme, trained.basis, *trained.reduced, tests, full_workspace, reduced_workspace);
-    const std::vector<SampledSolve> samples = sample_run(study, scheme, queries);
+    const SampledMarch sampled = sample(study, scheme, queries);
 
     const ContactProblem problem = scene.family->at(tests.front());
     Json row;
@@ -244,10 +242,9 @@ Json row_of(const SceneStudy& study, int repeats) {
     row["extrapolated"] = Json::array();
 
     row["full_klu_refactor_seconds"] = compare(row, "full_klu_refactor", "KLU refactorisation",
-                                               std::make_unique<KluActiveSet>().get(), samples, scheme, repeats);
+                                               std::make_unique<KluActiveSet>().get(), sampled, repeats);
     const auto ipopt = interior_point();
-    row["interior_point_seconds"] =
-        compare(row, "interior_point", "interior point", ipopt.get(), samples, scheme, repeats);
+    row["interior_point_seconds"] = compare(row, "interior_point", "interior point", ipopt.get(), sampled, repeats);
     row["speedup_vs_klu_refactor"] = ratio(row["full_klu_refactor_seconds"], reduced);
     row["speedup_vs_interior_point"] = ratio(row["interior_point_seconds"], reduced);
     return row;

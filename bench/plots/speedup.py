@@ -20,7 +20,7 @@ def main(data_file, figure_file):
         data = json.load(file)
     rows = data["rows"]
     matplotlib.rcParams.update({"svg.hashsalt": "tact", "font.size": 11, "axes.spines.top": False, "axes.spines.right": False})
-    figure, axes = plt.subplots(figsize=(9, 5), constrained_layout=True)
+    figure, axes = plt.subplots(figsize=(10.5, 5), constrained_layout=True)
     width = 0.8 / len(BARS)
     for k, (field, label, colour) in enumerate(BARS):
         at = [i + (k - (len(BARS) - 1) / 2) * width for i in range(len(rows))]
@@ -29,7 +29,7 @@ def main(data_file, figure_file):
         axes.bar([x for x, _ in present], [v for _, v in present], 0.92 * width, color=colour, label="against " + label if k < 3 else label)
         for x, value in present:
             axes.annotate(f"{value:,.0f}".replace(",", " ") if value >= 10 else f"{value:.1f}", (x, value), xytext=(0, 2),
-                          textcoords="offset points", ha="center", va="bottom", fontsize=9)
+                          textcoords="offset points", ha="center", va="bottom", fontsize=8.5)
     axes.set_yscale("log")
     largest = max(row[field] for row in rows for field, _, _ in BARS if row[field] is not None)
     axes.set_ylim(1, 60 * largest)
