@@ -26,6 +26,8 @@ struct [[nodiscard]] ContactReport {
     bool set_repeated = false;       ///< an active set came back and the fall-back finished the solve
     std::string_view strategy;       ///< a string with static lifetime: what solved it
     std::string_view fallback = {};  ///< what finished it instead, if anything did
+    /// After Outcome::infeasible: y >= 0 with B'y = 0 and c'y > 0 (largest entry 1), m numbers.
+    Vector infeasibility = {};
 };
 
 /// Contact solves with one (A, B) and many (b, c). Owns factors, symbolic analyses, cached columns and work space;

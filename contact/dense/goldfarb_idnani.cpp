@@ -81,8 +81,10 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
             const double full_step = dependent ? infinity : -gap_q / pivot;
             double partial_step = infinity;
             Index leaving = -1;
+            // Below this an entry of r is rounding, not a direction in which a multiplier falls.
+            const double noise = k > 0 ? 1e-12 * r_.head(k).cwiseAbs().maxCoeff() : 0;
             for (Index i = 0; i < k; ++i) {
-                if (!(r_[i] > 0)) continue;
+                if (!(r_[i] > noise)) continue;
                 const double step = multiplier_[i] / r_[i];
                 if (step < partial_step) {
                     partial_step = step;
