@@ -1,9 +1,14 @@
 #include "tact/contact/automatic.hpp"
 
+#include <functional>
+#include <vector>
+
 #include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
+#include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/projected_cg.hpp"
+#include "tact/contact/proximal_contact.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/contact/schur_contact.hpp"
 #include "tact/lib/sparse/lanczos.hpp"
@@ -15,30 +20,51 @@ constexpr Index small_size = 300;
 /// Up to here some 20 sweeps or CG iterations reach rounding: less than a factor's back-substitutions cost.
 constexpr double well_conditioned = 20;
 
-class WithFallback final : public PreparedContact {
-public:
-    WithFallback(const Matrix& A, const Matrix& B, std::unique_ptr<PreparedContact> first)
-        : A_(A), B_(B), first_(std::move(first)) {}
+constexpr Index largest_orthogonal = 4000;
 
-    bool reads_guess() const override { return first_->reads_guess(); }
+/// The first strategy, then the sturdier ones in turn, each prepared when it is first needed.
+class Chain final : public PreparedContact {
+public:
+    using Link = std::function<std::unique_ptr<PreparedContact>()>;
+    Chain(std::unique_ptr<PreparedContact> first, std::vector<Link> rest) : rest_(std::move(rest)) {
+        links_.push_back(std::move(first));
+    }
+
+    bool reads_guess() const override { return links_.front()->reads_guess(); }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
-        ContactReport report = first_->solve(b, c, point);
-        if (report.outcome == Outcome::converged || report.outcome == Outcome::infeasible) return report;
-        if (!exact_) exact_ = SchurContact().prepare(A_, B_);
-        const ContactReport end = exact_->solve(b, c, point);
-        report.outcome = end.outcome;
-        report.kkt = end.kkt;
-        report.active = end.active;
-        report.iterations += end.iterations;
-        report.fallback = end.fallback.empty() ? end.strategy : end.fallback;
+        ContactReport report = links_.front()->solve(b, c, point);
+        for (std::size_t next = 1; report.outcome != Outcome::converged && next <= rest_.size(); ++next) {
+            if (!b.allFinite()) break;
+            if (links_.size() == next) links_.push_back(rest_[next - 1]());
+            ContactReport end = links_[next]->solve(b, c, point);
+            end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
+            end.strategy = report.strategy;
+            end.iterations += report.iterations;
+            end.set_repeated |= report.set_repeated;
+            report = std::move(end);
+        }
         return report;
     }
 
 private:
-    Matrix A_, B_;
-    std::unique_ptr<PreparedContact> first_, exact_;
+    std::vector<std::unique_ptr<PreparedContact>> links_;
+    std::vector<Link> rest_;
 };
+
+std::unique_ptr<PreparedContact> first_choice(const Matrix& A, const Matrix& B, bool& schur) {
+    if ((!A.sparse() || A.rows() <= small_size) && B.rows() <= 4 * small_size) return DenseContact().prepare(A, B);
+    const ConstraintRows rows(B);
+    if ((A.main_diagonal().array() > 0).all() && B.rows() > 0 && (rows.bounds() || rows.disjoint()) &&
+        scaled_spectrum(A).condition() <= well_conditioned) {
+        const ColourSor sor;
+        const ProjectedCg cg;
+        const ContactSolver& solver = rows.bounds() ? static_cast<const ContactSolver&>(sor) : cg;
+        return solver.prepare(A, B);
+    }
+    schur = true;
+    return SchurContact().prepare(A, B);
+}
 
 }  // namespace
 
@@ -46,19 +72,24 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
     if (A.rows() != A.cols() || B.cols() != A.rows())
         throw InputError("AutomaticContact: A is " + A.shape() + " and B is " + B.shape() +
                          ", expected a square A and as many columns in B");
-    const bool symmetric = A.is_symmetric();
-    if (symmetric && (!A.sparse() || A.rows() <= small_size) && B.rows() <= 4 * small_size)
-        return DenseContact().prepare(A, B);
-    if (!symmetric) return KluActiveSet().prepare(A, B);
-    const ConstraintRows rows(B);
-    if ((A.main_diagonal().array() > 0).all() && B.rows() > 0 && (rows.bounds() || rows.disjoint()) &&
-        scaled_spectrum(A).condition() <= well_conditioned) {
-        const ColourSor sor;
-        const ProjectedCg cg;
-        const ContactSolver& solver = rows.bounds() ? static_cast<const ContactSolver&>(sor) : cg;
-        return std::make_unique<WithFallback>(A, B, solver.prepare(A, B));
+    if (!A.is_symmetric()) return KluActiveSet().prepare(A, B);
+    const bool medium = A.rows() <= largest_orthogonal;
+    std::vector<Chain::Link> rest;
+    std::unique_ptr<PreparedContact> first;
+    bool schur = false;
+    try {
+        first = first_choice(A, B, schur);
+    } catch (const NumericalError&) {
+        // Singular, or nearly: what contact does not hold is found out by the proximal iteration.
+        const std::shared_ptr<const ContactSolver> inner =
+            medium ? std::shared_ptr<const ContactSolver>(std::make_shared<OrthogonalContact>())
+                   : std::make_shared<SchurContact>();
+        return ProximalContact(inner).prepare(A, B);
     }
-    return SchurContact().prepare(A, B);
+    if (!schur && !medium) rest.push_back([A, B] { return SchurContact().prepare(A, B); });
+    if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
+    if (rest.empty()) return first;
+    return std::make_unique<Chain>(std::move(first), std::move(rest));
 }
 
 }  // namespace tact

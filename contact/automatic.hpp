@@ -11,8 +11,10 @@ namespace tact {
 ///   condition estimate <= 20 and bounds                      -> ColourSor
 ///   condition estimate <= 20 and rows that do not overlap    -> ProjectedCg
 ///   else                                                     -> SchurContact
-/// A strategy that ends without a solution is followed by SchurContact (symmetric A), which is finite; the report
-/// names both. The estimate takes 20 Lanczos steps on A scaled to unit diagonal.
+/// A that is singular or indefinite to rounding     -> ProximalContact around SchurContact (or OrthogonalContact)
+/// A strategy that ends without a solution is followed by SchurContact and, up to 4000 unknowns, by OrthogonalContact, which
+/// also has the last word on infeasibility; the report names both. The estimate takes 20 Lanczos steps on A scaled to unit
+/// diagonal.
 class AutomaticContact final : public ContactSolver {
 public:
     std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;

@@ -226,14 +226,13 @@ public:
             }
             system_.solve(b, c, active_, u_, lambda_);
             size = std::max(size, u_.cwiseAbs().maxCoeff());
-            const double tolerance = 1e-14 * size;
             bool changed = false;
             for (Index i = 0; i < m; ++i) {
                 auto& on = active_[static_cast<std::size_t>(i)];
                 bool now = false;
                 if (c[i] != -infinity) {
                     const double gap = rows_.gather(i, u_.data()) - c[i];
-                    now = on ? lambda_[i] > 0 : gap < -tolerance;
+                    now = on ? lambda_[i] > 0 : gap < -2e-14 * (std::abs(c[i]) + rows_.gather_absolute(i, u_.data()));
                 }
                 changed |= now != static_cast<bool>(on);
                 on = now;

@@ -1,6 +1,7 @@
 // What the strategies ask of B: its rows, and whether they overlap.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,12 @@ public:
     double gather(Index row, const double* u) const {
         double sum = 0;
         for (auto k = at(row); k < at(row + 1); ++k) sum += weight_[k] * u[column_[k]];
+        return sum;
+    }
+    /// |B_i||u|.
+    double gather_absolute(Index row, const double* u) const {
+        double sum = 0;
+        for (auto k = at(row); k < at(row + 1); ++k) sum += std::abs(weight_[k] * u[column_[k]]);
         return sum;
     }
     /// u += s B_i'.

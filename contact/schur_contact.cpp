@@ -81,6 +81,7 @@ public:
           free_(A.rows()),
           u_(A.rows()),
           gap_(B.rows()),
+          allowance_(B.rows()),
           lambda_(B.rows()) {}
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -92,22 +93,21 @@ public:
             load_ = b;
         }
         const Index m = rows_.rows();
-        const double size = gap_size(c);
-        const double tolerance = gap_tolerance * size;
+        const double size = gaps_of_free_solution(c);
         lambda_.setZero();
         u_ = free_;
         violated_.clear();
         for (Index i = 0; i < m; ++i)
             if (point.lambda[i] > 0 && c[i] != -infinity && !pool_.holds(i)) violated_.push_back(i);
-        if (violated_.empty()) find_violated(c, tolerance, 8);
-        bool contact = !violated_.empty() || any_violated_in_pool(c, tolerance);
+        if (violated_.empty()) find_violated(c, 8);
+        bool contact = !violated_.empty() || any_violated_in_pool(c);
         for (std::size_t batch = 16; contact; batch *= 2) {
             if (pool_.size() + static_cast<Index>(violated_.size()) > options_.largest_pool) forget(point.lambda);
             pool_.add(violated_);
-            report.outcome = solve_pool(c, tolerance, point.lambda, report);
+            report.outcome = solve_pool(c, point.lambda, report);
             if (report.outcome != Outcome::converged) return report;
             violated_.clear();
-            find_violated(c, tolerance, batch);
+            find_violated(c, batch);
             contact = !violated_.empty();
         }
         // A bound is met exactly: a gap of zero then is zero, not rounding.
@@ -127,27 +127,30 @@ public:
 
 private:
     static constexpr double acceptable = 1e-10;
-    /// Of the largest gap or gap offset: two digits above the rounding of a solve.
-    static constexpr double gap_tolerance = 1e-14;
+    /// Of the row's own |c_i| + |B_i||u|: two digits above the rounding of a solve.
+    static constexpr double gap_tolerance = 2e-14;
 
-    double gap_size(const ConstVectorRef& c) {
+    /// gap_ = B free_, and what of a violation each row is allowed; returns the size of the gaps.
+    double gaps_of_free_solution(const ConstVectorRef& c) {
         double size = 0;
         for (Index i = 0; i < c.size(); ++i) {
             gap_[i] = rows_.gather(i, free_.data());
-            if (c[i] != -infinity) size = std::max({size, std::abs(c[i]), std::abs(gap_[i])});
+            const double own = std::abs(c[i]) + rows_.gather_absolute(i, free_.data());
+            allowance_[i] = gap_tolerance * own;
+            if (c[i] != -infinity) size = std::max(size, own);
         }
         return size;
     }
 
-    bool any_violated_in_pool(const ConstVectorRef& c, double tolerance) const {
+    bool any_violated_in_pool(const ConstVectorRef& c) const {
         return std::any_of(pool_.members().begin(), pool_.members().end(),
-                           [&](Index i) { return c[i] - gap_[i] > tolerance; });
+                           [&](Index i) { return c[i] - gap_[i] > allowance_[i]; });
     }
 
     /// Rows outside the pool that u_ violates, the `most` worst of them: a multiplier on these lifts their neighbours.
-    void find_violated(const ConstVectorRef& c, double tolerance, std::size_t most) {
+    void find_violated(const ConstVectorRef& c, std::size_t most) {
         for (Index i = 0; i < c.size(); ++i)
-            if (!pool_.holds(i) && c[i] - rows_.gather(i, u_.data()) > tolerance) violated_.push_back(i);
+            if (!pool_.holds(i) && c[i] - rows_.gather(i, u_.data()) > allowance_[i]) violated_.push_back(i);
         if (violated_.size() <= most) return;
         const auto deeper = [&](Index i, Index j) {
             return c[i] - rows_.gather(i, u_.data()) > c[j] - rows_.gather(j, u_.data());
@@ -159,20 +162,19 @@ private:
     }
 
     /// The pool's contact problem, then u_ = free_ + A^-1 B' lambda_.
-    Outcome solve_pool(const ConstVectorRef& c, double tolerance, const ConstVectorRef& guess,
-                       ContactReport& report) {
+    Outcome solve_pool(const ConstVectorRef& c, const ConstVectorRef& guess, ContactReport& report) {
         const Index k = pool_.size();
-        for (Vector* v : {&g_, &w_, &multiplier_})
+        for (Vector* v : {&g_, &w_, &multiplier_, &pool_allowance_})
             if (v->size() < k) v->resize(std::max<Index>(2 * k, 64));
         const bool first = (lambda_.array() == 0).all();
         for (Index i = 0; i < k; ++i) {
             const Index row = pool_.members()[static_cast<std::size_t>(i)];
             g_[i] = c[row] - gap_[row];
+            pool_allowance_[i] = allowance_[row];
             multiplier_[i] = first ? guess[row] : lambda_[row];
         }
         const auto dense =
-            active_set_.solve(pool_.S(), g_.head(k), tolerance / std::sqrt(pool_.S().diagonal().head(k).maxCoeff()),
-                              multiplier_.head(k), w_.head(k));
+            active_set_.solve(pool_.S(), g_.head(k), pool_allowance_.head(k), multiplier_.head(k), w_.head(k));
         report.iterations += dense.iterations;
         if (dense.repeated) {
             report.set_repeated = true;
@@ -205,7 +207,7 @@ private:
     Pool pool_;
     CondensedActiveSet active_set_;
     std::vector<Index> violated_;
-    Vector load_, free_, u_, gap_, lambda_, g_, w_, multiplier_, force_;
+    Vector load_, free_, u_, gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
 };
 
 }  // namespace

@@ -28,6 +28,8 @@ struct [[nodiscard]] ContactReport {
     std::string_view fallback = {};  ///< what finished it instead, if anything did
     /// After Outcome::infeasible: y >= 0 with B'y = 0 and c'y > 0 (largest entry 1), m numbers.
     Vector infeasibility = {};
+    /// After Outcome::unbounded: d with A d = 0, B d >= 0, b'd > 0 (largest entry 1), n numbers.
+    Vector ray = {};
 };
 
 /// Contact solves with one (A, B) and many (b, c). Owns factors, symbolic analyses, cached columns and work space;

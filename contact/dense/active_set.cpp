@@ -20,8 +20,8 @@ std::uint64_t fingerprint(const std::vector<Index>& rows) {
 
 }  // namespace
 
-CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const ConstVectorRef& g, double tolerance,
-                                                     VectorRef lambda, VectorRef w) {
+CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const ConstVectorRef& g,
+                                                     const ConstVectorRef& allowance, VectorRef lambda, VectorRef w) {
     const Index m = g.size();
     if (multiplier_.size() < m) multiplier_.resize(m);
     Report report;
@@ -32,7 +32,7 @@ CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const
         // From no contact the first set would be every violated row, hundreds where tens stay: rows one by one are
         // cheaper.
         exact_.reset();
-        const auto end = exact_.solve(S, g, tolerance, lambda, w);
+        const auto end = exact_.solve(S, g, allowance, lambda, w);
         report.iterations = end.iterations;
         report.outcome = end.outcome;
         return report;
@@ -46,7 +46,7 @@ CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const
             report.repeated = seen;
             lambda.setZero();
             exact_.reset();
-            const auto end = exact_.solve(S, g, tolerance, lambda, w);
+            const auto end = exact_.solve(S, g, allowance, lambda, w);
             report.iterations += end.iterations;
             report.outcome = end.outcome;
             return report;
@@ -69,11 +69,14 @@ CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const
             else
                 settled = false;
         }
+        // What the sum S lambda itself rounds to, in energy units.
+        double noise = 0;
+        for (const Index row : rows) noise += 4e-16 * lambda[row] * std::sqrt(S(row, row));
         wanted_.clear();
         for (Index i = 0; i < m; ++i) {
             if (lambda[i] > 0) {
                 wanted_.push_back(i);
-            } else if (w[i] < 0 && w[i] < -tolerance * std::sqrt(S(i, i))) {
+            } else if (w[i] < -allowance[i] - noise * std::sqrt(S(i, i))) {
                 wanted_.push_back(i);
                 settled = false;
             }

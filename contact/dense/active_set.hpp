@@ -20,7 +20,8 @@ public:
         bool repeated = false;
     };
     /// As GoldfarbIdnani::solve.
-    Report solve(const DenseMatrix& S, const ConstVectorRef& g, double tolerance, VectorRef lambda, VectorRef w);
+    Report solve(const DenseMatrix& S, const ConstVectorRef& g, const ConstVectorRef& allowance, VectorRef lambda,
+                 VectorRef w);
     const Vector& infeasibility() const { return exact_.infeasibility(); }
 
 private:

@@ -10,8 +10,8 @@
 namespace tact {
 namespace {
 
-/// A violation counts above this fraction of the largest gap offset in energy units: two digits above rounding.
-constexpr double gap_tolerance = 1e-14;
+/// A violation counts above this fraction of the row's own |c_i| + |B_i u|, two digits above rounding.
+constexpr double gap_tolerance = 2e-14;
 
 class PreparedDense final : public PreparedContact {
 public:
@@ -54,13 +54,12 @@ public:
             w_ = c.cwiseProduct(scale_);
             const double largest = (w_ - g_).maxCoeff();  // violation, in energy units
             if (!(largest <= 0) || (point.lambda.array() > 0).any()) {
-                const double size =
-                    std::max(g_.cwiseAbs().maxCoeff(), (w_.array() == -infinity).select(0, w_).cwiseAbs().maxCoeff());
-                const double tolerance = gap_tolerance * size;
-                gap_size = size * largest_unit_;
+                allowance_ = gap_tolerance * (g_.cwiseAbs() + w_.cwiseAbs());
+                gap_size = (w_.array() == -infinity).select(0, w_.cwiseAbs().cwiseMax(g_.cwiseAbs())).maxCoeff() *
+                           largest_unit_;
                 g_ = w_ - g_;
                 multiplier_ = point.lambda.cwiseQuotient(scale_);
-                const auto dual = dual_.solve(S_, g_, tolerance, multiplier_, w_);
+                const auto dual = dual_.solve(S_, g_, allowance_, multiplier_, w_);
                 report.iterations = dual.iterations;
                 report.outcome = dual.outcome;
                 if (dual.outcome != Outcome::converged) return report;
@@ -102,7 +101,7 @@ private:
     double largest_unit_ = 0;  // of a gap of energy one
     DenseMatrix B_, W_, S_;
     GoldfarbIdnani dual_;
-    Vector u_, g_, w_, multiplier_, lambda_;
+    Vector u_, g_, w_, allowance_, multiplier_, lambda_;
 };
 
 }  // namespace

@@ -41,24 +41,31 @@ void GoldfarbIdnani::gaps(const DenseMatrix& S, const ConstVectorRef& g, VectorR
         w += multiplier_[i] * S.col(factor_.rows()[static_cast<std::size_t>(i)]).head(g.size());
 }
 
-GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVectorRef& g, double tolerance,
-                                             VectorRef lambda, VectorRef w) {
+GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVectorRef& g,
+                                             const ConstVectorRef& allowance, VectorRef lambda, VectorRef w) {
     const Index m = g.size();
     if (multiplier_.size() < m + 1)
         for (Vector* v : {&multiplier_, &l_, &r_}) v->resize(m + 1);
     Report report;
     start_from(S, g, lambda);
     gaps(S, g, w);
-    const int limit = static_cast<int>(std::min<Index>(100 * (m + 10), 10000000));
+    // Each step raises the dual objective; what needs more is so ill conditioned that S has lost its meaning.
+    const int limit = static_cast<int>(std::min<Index>(2 * m + 200, 10000000));
     while (true) {
         // The most violated row, each measured in its own energy norm.
         Index q = -1;
-        double worst = -tolerance;
+        double worst = 0;
+        // What the sum S lambda itself rounds to, in energy units.
+        double noise = 0;
+        for (Index i = 0; i < factor_.size(); ++i) {
+            const Index row = factor_.rows()[static_cast<std::size_t>(i)];
+            noise += 4e-16 * multiplier_[i] * std::sqrt(S(row, row));
+        }
         for (Index i = 0; i < m; ++i) {
-            if (!(w[i] < 0)) continue;
-            const double diagonal = S(i, i);
-            const double violation = diagonal > 0 ? w[i] / std::sqrt(diagonal) : w[i];
-            if (violation < worst) {
+            if (!(w[i] < -allowance[i])) continue;
+            const double unit = std::sqrt(S(i, i));
+            const double violation = unit > 0 ? w[i] / unit : -infinity;
+            if (violation < worst && violation < -noise) {
                 const auto& rows = factor_.rows();
                 if (std::find(rows.begin(), rows.end(), i) != rows.end()) continue;  // rounding on an active row
                 worst = violation;
@@ -82,9 +89,9 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
             double partial_step = infinity;
             Index leaving = -1;
             // Below this an entry of r is rounding, not a direction in which a multiplier falls.
-            const double noise = k > 0 ? 1e-12 * r_.head(k).cwiseAbs().maxCoeff() : 0;
+            const double falling = k > 0 ? 1e-12 * r_.head(k).cwiseAbs().maxCoeff() : 0;
             for (Index i = 0; i < k; ++i) {
-                if (!(r_[i] > noise)) continue;
+                if (!(r_[i] > falling)) continue;
                 const double step = multiplier_[i] / r_[i];
                 if (step < partial_step) {
                     partial_step = step;

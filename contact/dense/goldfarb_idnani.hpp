@@ -19,8 +19,10 @@ public:
     };
 
     /// On the leading block of S as large as g. Warm start from the rows with lambda > 0 on entry; `lambda` and `w` hold the solution on a converged exit.
-    /// A row counts as violated below -tolerance * sqrt(S_ii) (absolute, in units of g / sqrt(S_ii)).
-    Report solve(const DenseMatrix& S, const ConstVectorRef& g, double tolerance, VectorRef lambda, VectorRef w);
+    /// Row i counts as violated where w_i < -allowance_i (in units of g_i); each row by its own size, so that one huge
+    /// bound does not blind the others.
+    Report solve(const DenseMatrix& S, const ConstVectorRef& g, const ConstVectorRef& allowance, VectorRef lambda,
+                 VectorRef w);
 
     /// The rows in contact, in the order they came.
     const SchurFactor& factor() const { return factor_; }

@@ -56,8 +56,12 @@ public:
           Bt_(B.to_sparse().transpose()),
           absolute_(Bt_.cwiseAbs()),
           factor_(A.rows()),
-          length_(B.rows()) {
-        for (Index i = 0; i < length_.size(); ++i) length_[i] = Bt_.col(i).norm();
+          length_(B.rows()),
+          weight_(B.rows()) {
+        for (Index i = 0; i < length_.size(); ++i) {
+            length_[i] = Bt_.col(i).norm();
+            weight_[i] = absolute_.col(i).sum();
+        }
         multiplier_.resize(A.rows() + 1);
         for (Vector* v : {&h_, &z_}) v->resize(A.rows());
     }
@@ -189,14 +193,17 @@ private:
         u_ = y_;
         root_.upper(u_);
         size_ = u_.cwiseAbs();
+        // u carries rounding of its largest entry everywhere, also where it is small.
+        const double noise = 4e-15 * size_.maxCoeff();
         Index worst = -1;
         double depth = 0;
         for (Index i = 0; i < c.size(); ++i) {
             if (state_[static_cast<std::size_t>(i)] != State::open || c[i] == -infinity) continue;
             const double gap = Bt_.col(i).dot(u_) - c[i];
             if (gap >= 0) continue;
-            if (gap >= -gap_tolerance * (std::abs(c[i]) + absolute_.col(i).dot(size_)) || gap >= -forgiven_[i])
-                continue;
+            const double rounding =
+                gap_tolerance * (std::abs(c[i]) + absolute_.col(i).dot(size_)) + noise * weight_[i];
+            if (gap >= -std::max(rounding, forgiven_[i])) continue;
             const double violation = length_[i] > 0 ? -gap / length_[i] : infinity;
             if (violation > depth) {
                 depth = violation;
@@ -279,7 +286,7 @@ private:
     std::vector<Index> rows_;
     std::vector<State> state_;
     Vector forgiven_;  // by how much a row that depends on the active ones is left violated, to rounding
-    Vector length_, multiplier_, free_, y_, u_, lambda_, row_, h_, z_, change_, residual_, size_;
+    Vector length_, weight_, multiplier_, free_, y_, u_, lambda_, row_, h_, z_, change_, residual_, size_;
 };
 
 }  // namespace

@@ -13,6 +13,9 @@ double OrthogonalFactor::split(const ConstVectorRef& d, VectorRef h, VectorRef z
     h.head(k_).noalias() = Q().transpose() * d;
     z = d;
     z.noalias() -= Q() * h.head(k_);
+    // Half of d's length left: the projection is as orthogonal as it can be (Daniel, Gragg, Kaufman, Stewart, 1976).
+    const double norm = z.norm();
+    if (norm > 0.5 * d.norm()) return norm;
     // Once more: after cancellation the first projection leaves a part of Q behind.
     correction_.noalias() = Q().transpose() * z;
     z.noalias() -= Q() * correction_;

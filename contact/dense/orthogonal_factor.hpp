@@ -13,7 +13,7 @@ public:
     void clear() { k_ = 0; }
     auto Q() const { return Q_.leftCols(k_); }
 
-    /// d = Q h + z with z orthogonal to Q, by two projections; returns |z|.
+    /// d = Q h + z with z orthogonal to Q, by one projection or two; returns |z|.
     double split(const ConstVectorRef& d, VectorRef h, VectorRef z) const;
     /// Appends the column that was split, which must not depend on the others (norm = |z| > 0).
     void append(const ConstVectorRef& h, const ConstVectorRef& z, double norm);
