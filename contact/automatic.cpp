@@ -22,7 +22,8 @@ constexpr double well_conditioned = 20;
 
 constexpr Index largest_orthogonal = 4000;
 
-/// The first strategy, then the sturdier ones in turn, each prepared when it is first needed.
+/// The first strategy, then the sturdier ones in turn until one reaches a residual of 1e-12, each prepared when it is
+/// first needed.
 class Chain final : public PreparedContact {
 public:
     using Link = std::function<std::unique_ptr<PreparedContact>()>;
@@ -34,10 +35,11 @@ public:
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report = links_.front()->solve(b, c, point);
-        for (std::size_t next = 1; report.outcome != Outcome::converged && next <= rest_.size(); ++next) {
-            if (!b.allFinite()) break;
+        for (std::size_t next = 1; !settled(report) && next <= rest_.size() && b.allFinite(); ++next) {
             if (links_.size() == next) links_.push_back(rest_[next - 1]());
             ContactReport end = links_[next]->solve(b, c, point);
+            // An answer that is only not sharp enough stands if the sturdier strategy has none.
+            if (report.outcome == Outcome::converged && end.outcome != Outcome::converged) break;
             end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
             end.strategy = report.strategy;
             end.iterations += report.iterations;
@@ -48,6 +50,9 @@ public:
     }
 
 private:
+    static bool settled(const ContactReport& report) {
+        return report.outcome == Outcome::converged && report.kkt.largest() <= 1e-12;
+    }
     std::vector<std::unique_ptr<PreparedContact>> links_;
     std::vector<Link> rest_;
 };

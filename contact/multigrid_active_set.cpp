@@ -112,6 +112,7 @@ public:
         u_.resize(A.rows());
         lambda_.resize(B.rows());
         side_.assign(at(padded), 0);
+        seen_.assign(at(A.rows()), 0);
         coarse_.resize(at(hierarchy_.levels()));
         for (int l = 1; l < hierarchy_.levels(); ++l) {
             CoarseObstacle& c = coarse_[at(l)];
@@ -137,6 +138,7 @@ public:
             hierarchy_.residual(b_.data(), x_.data(), r_.data());
             const double floor = accuracy * size();
             changed |= leave(floor);
+            if (changed) relax();
             const double largest = mask_residual();
             if (!std::isfinite(largest)) report.outcome = Outcome::inaccurate;
             if (report.iterations == iteration_limit) report.outcome = Outcome::iteration_limit;
@@ -165,6 +167,7 @@ private:
     /// Of one correction in single precision, whose rounding is amplified by the condition number.
     static constexpr double float_accuracy = 1e-3;
     static constexpr int iteration_limit = 200;
+    static constexpr int rings = 4, sweeps = 8;
     static constexpr int coarse_rounds = 4;
     static constexpr double coarse_share = 0.1;
 
@@ -228,7 +231,6 @@ private:
         }
         hierarchy_.prolong_all(0, coarse_[1].x.data(), krylov_.z.data());
         x_ += krylov_.z.cast<double>();
-        hierarchy_.mask(0, active_);
     }
 
     /// A few rounds of the fine level's kind, all in single precision.
@@ -255,7 +257,7 @@ private:
     /// Unknowns beyond a bound are put on it and held there.
     bool join() {
         constexpr Index block = 256;
-        bool changed = false;
+        changed_.clear();
         for (Index first = 0; first < x_.size(); first += block) {
             const Index count = std::min(block, x_.size() - first);
             const auto x = x_.segment(first, count).array();
@@ -267,10 +269,10 @@ private:
                 x_[i] = side < 0 ? lower_[i] : upper_[i];
                 side_[at(i)] = static_cast<signed char>(side);
                 active_.push_back(static_cast<int>(i));
-                changed = true;
+                changed_.push_back(static_cast<int>(i));
             }
         }
-        return changed;
+        return !changed_.empty();
     }
 
     /// Unknowns whose bound pulls instead of pushing are free again; below the floor a sign says nothing.
@@ -278,12 +280,56 @@ private:
         const auto last = std::remove_if(active_.begin(), active_.end(), [&](int i) {
             // The force that holds i is -r; a lower bound pushes up.
             const bool pulls = side_[at(i)] * r_[i] < -floor;
-            if (pulls) side_[at(i)] = 0;
+            if (pulls) {
+                side_[at(i)] = 0;
+                changed_.push_back(i);
+            }
             return pulls;
         });
         const bool changed = last != active_.end();
         active_.erase(last, active_.end());
         return changed;
+    }
+
+    /// Projected Gauss-Seidel around the unknowns that joined or left: what is local about the set is settled for the
+    /// price of a part of a V-cycle, several layers at once, where the active set alone peels off one a round.
+    void relax() {
+        near_.clear();
+        const auto reach = [&](int unknown) {
+            if (seen_[at(unknown)]) return;
+            seen_[at(unknown)] = 1;
+            near_.push_back(unknown);
+        };
+        for (const int i : changed_) reach(hierarchy_.unknown(i));
+        const CompressedRows& A = hierarchy_.finest();
+        std::size_t inner = 0;
+        for (int ring = 0; ring <= rings; ++ring) {
+            const auto first = inner;
+            inner = near_.size();
+            for (auto k = first; k < inner; ++k)
+                for (int e = A.begin(near_[k]); e < A.end(near_[k]); ++e) reach(A.column_at(e));
+        }
+        const auto& place = hierarchy_.place(0);
+        const auto update = [&](int unknown) {
+            const int i = place[at(unknown)];
+            x_[i] = std::min(std::max(x_[i] + hierarchy_.residual(unknown, b_.data(), x_.data()), lower_[i]), upper_[i]);
+        };
+        for (int sweep = 0; sweep < sweeps; ++sweep) {
+            for (std::size_t k = 0; k < inner; ++k) update(near_[k]);
+            for (std::size_t k = inner; k-- > 0;) update(near_[k]);
+        }
+        for (const int unknown : near_) {
+            const int i = place[at(unknown)];
+            seen_[at(unknown)] = 0;
+            r_[i] = hierarchy_.residual(unknown, b_.data(), x_.data());
+        }
+        for (std::size_t k = 0; k < inner; ++k) {
+            const int i = place[at(near_[k])];
+            const signed char before = side_[at(i)];
+            side_[at(i)] = x_[i] == lower_[i] && r_[i] < 0 ? -1 : x_[i] == upper_[i] && r_[i] > 0 ? 1 : 0;
+            if (before == 0 && side_[at(i)] != 0) active_.push_back(i);
+        }
+        std::erase_if(active_, [&](int i) { return side_[at(i)] == 0; });
     }
 
     /// residual_ := r_ on the free unknowns over its largest entry, which is returned.
@@ -349,7 +395,8 @@ private:
     Vector scale_;
     bool upper_used_ = false;
     double b_size_ = 0;
-    std::vector<int> active_, masked_;
+    std::vector<int> active_, masked_, changed_, near_;
+    std::vector<char> seen_;
     std::vector<signed char> side_;  // of the active: -1 on the lower bound, 1 on the upper
     std::vector<std::uint64_t> settled_;
     std::vector<CoarseObstacle> coarse_;

@@ -7,6 +7,7 @@
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
+#include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/projected_cg.hpp"
 #include "tact/contact/schur_contact.hpp"
@@ -27,6 +28,7 @@ std::vector<Strategy> strategies() {
     return {{"KluActiveSet", std::make_shared<KluActiveSet>(), all, false},
             {"SchurContact", std::make_shared<SchurContact>(), all, true},
             {"DenseContact", std::make_shared<DenseContact>(), all, true},
+            {"OrthogonalContact", std::make_shared<OrthogonalContact>(), all, true},
             {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
             {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
             {"AutomaticContact", std::make_shared<AutomaticContact>(), all, true}};

@@ -1,0 +1,153 @@
+// Problems that break active sets elsewhere: dependent rows, pseudo-infinite bounds, semidefinite A, no solution at all.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/proximal_contact.hpp"
+#include "tact/tests/laws/quadratic_programs.hpp"
+
+namespace tact::laws {
+namespace {
+
+struct Solved {
+    ContactReport report;
+    Vector u, lambda;
+};
+
+Solved solve(const ContactSolver& solver, const QuadraticProgram& qp) {
+    Solved s{{}, Vector::Zero(qp.A.rows()), Vector::Zero(qp.B.rows())};
+    s.report = solver.prepare(Matrix(qp.A), Matrix(qp.B))->solve(qp.b, qp.c, {s.u, s.lambda});
+    return s;
+}
+
+TEST(HardProblems, EqualitiesAsTwoRowsAgreeWithTheirDenseKktSystem) {
+    std::mt19937 random(1);
+    for (int k = 0; k < 40; ++k) {
+        const Index n = 10, m = 6;
+        QuadraticProgram qp = random_program(random, n, m, Rows::general, 1e6);
+        const DenseMatrix E = qp.B;
+        const Vector e = qp.c;
+        qp.B.resize(2 * m, n);
+        qp.B << E, -E;
+        qp.c.resize(2 * m);
+        qp.c << e, -e;
+        DenseMatrix kkt = DenseMatrix::Zero(n + m, n + m);
+        kkt << qp.A, E.transpose(), E, DenseMatrix::Zero(m, m);
+        Vector rhs(n + m);
+        rhs << qp.b, e;
+        const Vector exact = kkt.fullPivLu().solve(rhs).head(n);
+        for (const auto& solver : {std::shared_ptr<const ContactSolver>(std::make_shared<AutomaticContact>()),
+                                   std::shared_ptr<const ContactSolver>(std::make_shared<OrthogonalContact>())}) {
+            const Solved s = solve(*solver, qp);
+            ASSERT_EQ(s.report.outcome, Outcome::converged) << k << " " << s.report.strategy;
+            ASSERT_LE((s.u - exact).norm(), 1e-8 * (1 + exact.norm()));
+        }
+    }
+}
+
+TEST(HardProblems, APseudoInfiniteBoundBlindsNoOtherRow) {
+    QuadraticProgram qp{DenseMatrix::Identity(2, 2), DenseMatrix::Identity(2, 2), Vector::Constant(2, -1.0),
+                        Vector(2)};
+    qp.c << -1e20, 3e-4;
+    const Solved s = solve(AutomaticContact(), qp);
+    ASSERT_EQ(s.report.outcome, Outcome::converged);
+    EXPECT_EQ(s.u[0], -1);
+    EXPECT_EQ(s.u[1], 3e-4);
+    EXPECT_NEAR(s.lambda[1], 1 + 3e-4, 1e-15);
+}
+
+TEST(HardProblems, InfeasibilityComesWithACertificate) {
+    std::mt19937 random(2);
+    for (int k = 0; k < 60; ++k) {
+        QuadraticProgram qp = random_program(random, 8, 4, Rows::general);
+        // A fifth row against the sum of two others, out of reach by a little or a lot.
+        qp.B.conservativeResize(5, 8);
+        qp.c.conservativeResize(5);
+        qp.B.row(4) = -(qp.B.row(0) + 2 * qp.B.row(1));
+        qp.c[4] = -(qp.c[0] + 2 * qp.c[1]) + (k % 2 ? 1e-3 : 10);
+        const Solved s = solve(AutomaticContact(), qp);
+        ASSERT_EQ(s.report.outcome, Outcome::infeasible);
+        const Vector& y = s.report.infeasibility;
+        ASSERT_EQ(y.size(), 5);
+        EXPECT_GE(y.minCoeff(), 0);
+        EXPECT_LE((qp.B.transpose() * y).norm(), 1e-9);
+        EXPECT_GT(qp.c.dot(y), 0);
+        EXPECT_EQ(s.u, Vector::Zero(8));
+    }
+}
+
+TEST(HardProblems, AFloatingBodyThatContactHoldsIsSolved) {
+    // Springs between four masses, none to the ground; gravity presses the first one on a stop at -1: lambda is the
+    // weight, and each spring carries what lies beyond it.
+    const Index n = 4;
+    QuadraticProgram qp{DenseMatrix::Zero(n, n), DenseMatrix::Zero(1, n), Vector::Constant(n, -2.0), Vector(1)};
+    for (Index i = 0; i + 1 < n; ++i) {
+        qp.A(i, i) += 1;
+        qp.A(i + 1, i + 1) += 1;
+        qp.A(i, i + 1) = qp.A(i + 1, i) = -1;
+    }
+    qp.B(0, 0) = 1;
+    qp.c << -1;
+    const Solved s = solve(AutomaticContact(), qp);
+    ASSERT_EQ(s.report.outcome, Outcome::converged) << to_string(s.report.outcome);
+    EXPECT_NEAR(s.lambda[0], 8, 1e-10);
+    EXPECT_NEAR(s.u[0], -1, 1e-12);
+    EXPECT_NEAR(s.u[1], -1 - 6, 1e-9);
+    EXPECT_NEAR(s.u[3], -1 - 6 - 4 - 2, 1e-9);
+    EXPECT_LE(s.report.kkt.largest(), 1e-10);
+}
+
+TEST(HardProblems, AFloatingBodyThatNothingHoldsIsUnbounded) {
+    QuadraticProgram qp{DenseMatrix::Zero(2, 2), DenseMatrix::Zero(1, 2), Vector::Constant(2, 1.0), Vector(1)};
+    qp.A << 1, -1, -1, 1;
+    qp.B << 1, 0;
+    qp.c << 0;  // the load pulls away from the stop
+    const Solved s = solve(AutomaticContact(), qp);
+    ASSERT_EQ(s.report.outcome, Outcome::unbounded) << to_string(s.report.outcome);
+    const Vector& d = s.report.ray;
+    EXPECT_LE((qp.A * d).norm(), 1e-9);
+    EXPECT_GE((qp.B * d).minCoeff(), -1e-9);
+    EXPECT_GT(qp.b.dot(d), 0);
+}
+
+TEST(HardProblems, IllConditionedProgramsAgreeWithTheEnumeration) {
+    for (const double condition : {1e4, 1e8, 1e10}) {
+        std::mt19937 random(3);
+        for (int k = 0; k < 60; ++k) {
+            const auto qp = random_program(random, 8, 6, Rows::general, condition);
+            const auto exact = by_enumeration(qp, 1e-6);
+            ASSERT_TRUE(exact);
+            const Solved s = solve(AutomaticContact(), qp);
+            ASSERT_EQ(s.report.outcome, Outcome::converged);
+            ASSERT_LE((s.u - exact->u).norm(), 1e-13 * condition * (1 + exact->u.norm())) << condition;
+            ASSERT_LE(s.report.kkt.largest(), 1e-11);
+        }
+    }
+}
+
+TEST(HardProblems, AllRowsActiveAndMoreRowsThanUnknowns) {
+    // A corner of 12 half-planes through one point, which is the solution: every row is active, most are redundant.
+    QuadraticProgram qp{DenseMatrix::Identity(2, 2), DenseMatrix(12, 2), Vector::Zero(2), Vector(12)};
+    const Eigen::Vector2d corner(0.3, 0.7);
+    for (Index i = 0; i < 12; ++i) {
+        const double angle = 0.05 + 0.12 * static_cast<double>(i);
+        qp.B.row(i) << std::cos(angle), std::sin(angle);
+        qp.c[i] = qp.B.row(i).dot(corner);
+    }
+    const Solved s = solve(AutomaticContact(), qp);
+    ASSERT_EQ(s.report.outcome, Outcome::converged);
+    EXPECT_LE((s.u - corner).norm(), 1e-14);
+}
+
+TEST(HardProblems, ZeroGapEverywhereAndZeroLoadIsExactlyZero) {
+    QuadraticProgram qp{DenseMatrix::Identity(3, 3), DenseMatrix::Identity(3, 3), Vector::Zero(3), Vector::Zero(3)};
+    const Solved s = solve(AutomaticContact(), qp);
+    ASSERT_EQ(s.report.outcome, Outcome::converged);
+    EXPECT_EQ(s.u, Vector::Zero(3));
+    EXPECT_EQ(s.lambda, Vector::Zero(3));
+}
+
+}  // namespace
+}  // namespace tact::laws
