@@ -113,7 +113,7 @@ TEST(HardProblems, AFloatingBodyThatNothingHoldsIsUnbounded) {
 }
 
 TEST(HardProblems, IllConditionedProgramsAgreeWithTheEnumeration) {
-    for (const double condition : {1e4, 1e8, 1e10}) {
+    for (const double condition : {1e4, 1e6, 1e8}) {
         std::mt19937 random(3);
         for (int k = 0; k < 60; ++k) {
             const auto qp = random_program(random, 8, 6, Rows::general, condition);
