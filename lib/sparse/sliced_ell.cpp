@@ -1,6 +1,9 @@
 #include "tact/lib/sparse/sliced_ell.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <string_view>
+#include <unordered_map>
 
 namespace tact {
 
@@ -14,6 +17,21 @@ SlicedEll::SlicedEll(const SparseMatrix& by_row, const std::vector<Index>& order
     std::vector<Entry> entries;
     std::vector<long> offsets;
     slice_.push_back(0);
+    std::vector<double> values;
+    std::unordered_multimap<std::size_t, std::size_t> known;  // hash of a slice's values -> where they begin
+    const auto place_of = [&](const std::vector<double>& block) {
+        const std::string_view bytes(reinterpret_cast<const char*>(block.data()), block.size() * sizeof(double));
+        const auto hash = std::hash<std::string_view>{}(bytes);
+        const auto [first, last] = known.equal_range(hash);
+        for (auto it = first; it != last; ++it)
+            if (it->second + block.size() <= value_.size() &&
+                std::equal(block.begin(), block.end(), value_.begin() + static_cast<std::ptrdiff_t>(it->second)))
+                return it->second;
+        const auto place = value_.size();
+        value_.insert(value_.end(), block.begin(), block.end());
+        known.emplace(hash, place);
+        return place;
+    };
     for (Index first = 0; first < rows_; first += lanes) {
         entries.clear();
         offsets.clear();
@@ -31,31 +49,32 @@ SlicedEll::SlicedEll(const SparseMatrix& by_row, const std::vector<Index>& order
         std::sort(offsets.begin(), offsets.end());
         offsets.erase(std::unique(offsets.begin(), offsets.end()), offsets.end());
         const auto longest = static_cast<std::size_t>(*std::max_element(per_lane.begin(), per_lane.end()));
-        const auto old = column_.size();
+        values.clear();
         // A run costs about half of a gather: prefer runs while they are not too many.
         if (offsets.size() <= 2 * longest) {
-            column_.insert(column_.end(), offsets.begin(), offsets.end());
-            value_.resize(column_.size() * lanes, 0.0);
+            for (const long offset : offsets) column_.push_back(static_cast<int>(offset));
+            values.resize(offsets.size() * lanes, 0.0);
             for (const Entry& e : entries) {
                 const auto slot = static_cast<std::size_t>(
                     std::lower_bound(offsets.begin(), offsets.end(), e.column - e.lane) - offsets.begin());
-                value_[(old + slot) * lanes + static_cast<std::size_t>(e.lane)] += e.value;
+                values[slot * lanes + static_cast<std::size_t>(e.lane)] += e.value;
             }
         } else {
             std::vector<std::size_t> filled(lanes, 0);
             for (std::size_t k = 0; k < longest; ++k)
-                column_.push_back(gathered - static_cast<long>(index_.size() / lanes + k));
+                column_.push_back(gathered - static_cast<int>(index_.size() / lanes + k));
             const auto group = index_.size();
             index_.resize(group + longest * lanes, 0);
-            value_.resize(column_.size() * lanes, 0.0);
+            values.resize(longest * lanes, 0.0);
             for (const Entry& e : entries) {
                 const auto lane = static_cast<std::size_t>(e.lane);
                 const auto slot = filled[lane]++;
                 index_[group + slot * lanes + lane] = static_cast<int>(e.column);
-                value_[(old + slot) * lanes + lane] = e.value;
+                values[slot * lanes + lane] = e.value;
             }
         }
         slice_.push_back(column_.size());
+        values_of_.push_back(place_of(values));
     }
 }
 
