@@ -152,7 +152,7 @@ public:
                 hierarchy_.mask(0, active_);
                 krylov_.rz = 0;
             }
-            const double share = changed ? inexactness : std::clamp(0.3 * floor / largest, float_accuracy, inexactness);
+            const double share = changed ? inexactness : std::clamp(0.5 * floor / largest, float_accuracy, inexactness);
             left = largest * krylov_.solve(hierarchy_, 0, active_, share, unit / largest);
             x_ += largest * krylov_.correction.cast<double>();
             unit = largest;

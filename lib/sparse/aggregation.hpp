@@ -1,0 +1,60 @@
+// The steps that set up a smoothed-aggregation hierarchy: ordering, aggregates, prolongator, Galerkin product.
+#pragma once
+
+#include <vector>
+
+#include "tact/lib/types.hpp"
+
+namespace tact {
+
+/// Sparse rows with 4-byte indices.
+struct CompressedRows {
+    int rows = 0;
+    int columns = 0;
+    std::vector<int> start, column;
+    std::vector<double> value;
+
+    int begin(int row) const { return start[static_cast<std::size_t>(row)]; }
+    int end(int row) const { return start[static_cast<std::size_t>(row) + 1]; }
+    int column_at(int entry) const { return column[static_cast<std::size_t>(entry)]; }
+    double value_at(int entry) const { return value[static_cast<std::size_t>(entry)]; }
+};
+
+/// The columns of A as rows: A' in rows, A itself if it is symmetric.
+CompressedRows compressed_columns(const SparseMatrix& A);
+
+/// Whether A = A' within `tolerance` |A| in max norm, for a pattern that is symmetric with sorted rows; false for any
+/// other pattern. One pass with a cursor a row: a tenth of the cost of a transpose.
+bool symmetric_in_place(const CompressedRows& A, double tolerance = 1e-12);
+
+/// The diagonal; entries that are not stored are zero.
+std::vector<double> diagonal_of(const CompressedRows& A);
+
+/// Numbers unknowns by breadth-first waves (Cuthill, McKee, Proc. ACM 1969): old number of each new one. Empty if the
+/// given numbering has neighbouring rows with equal offsets already, which vectorises as well and costs nothing.
+std::vector<int> wave_order(const CompressedRows& A);
+
+/// A(order, order).
+CompressedRows permuted(const CompressedRows& A, const std::vector<int>& order);
+
+/// Colours so that no two coupled unknowns share one: greedy in the given numbering.
+std::vector<int> greedy_colours(const CompressedRows& A);
+
+/// Disjoint neighbourhoods of strongly coupled unknowns, |a_ij| > strength sqrt(a_ii a_jj).
+struct Aggregates {
+    std::vector<int> of;    ///< per unknown: its aggregate, -1 if it is coupled to nothing
+    std::vector<int> root;  ///< per aggregate: the unknown it grew from
+};
+Aggregates aggregates_of(const CompressedRows& A, const std::vector<double>& diagonal, double strength);
+
+/// P = (I - omega D^-1 A) P0 with P0 the indicator of the aggregates and omega = 4/3 / max_i sum_j |a_ij| / a_ii, a
+/// bound of the spectral radius of D^-1 A. (Vanek, Mandel, Brezina, Computing 56, 1996.)
+CompressedRows smoothed_prolongator(const CompressedRows& A, const std::vector<double>& diagonal,
+                                    const Aggregates& aggregates);
+
+CompressedRows transposed(const CompressedRows& A);
+
+/// P' A P, A symmetric.
+CompressedRows galerkin_product(const CompressedRows& A, const CompressedRows& P, const CompressedRows& P_transposed);
+
+}  // namespace tact

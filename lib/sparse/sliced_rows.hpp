@@ -1,0 +1,193 @@
+// Sparse rows in slices of sixteen, in single or double precision, built in one pass.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+#include "tact/lib/types.hpp"
+
+namespace tact {
+
+/// Where one slice of SlicedRows lies, whatever its precision.
+struct SliceOfRows {
+    std::uint32_t first, slots;
+    int index;  ///< of its first group of gathered columns, -1 if it reads runs
+};
+
+/// Rows in slices of `lanes`. Where the columns of a slice follow each other from lane to lane (meshes numbered along
+/// lines, also colour by colour or by wave fronts) a slot keeps the first one only and reads its operand as one vector;
+/// other slices gather. Operands are padded by `padding` numbers on both sides: a slot may reach past the ends with
+/// zero weight. A sibling of SlicedEll for hierarchies that are built as often as they are used: the pattern is found
+/// in one pass over the entries without sorting, and T = float halves the memory that a sweep moves.
+template <class T> class SlicedRows {
+public:
+    static constexpr int lanes = 16;
+    static constexpr int padding = 16;
+    /// One number a lane, in parts that fill the widest vector registers: a wider vector type is lowered to scalars.
+    struct Lanes {
+        static constexpr int part_lanes = 64 / static_cast<int>(sizeof(T));
+        static constexpr int parts = lanes / part_lanes;
+        typedef T Part __attribute__((vector_size(64)));  // NOLINT: `using` takes no attribute here
+        Part part[parts] = {};
+
+        T operator[](int lane) const { return part[lane / part_lanes][lane % part_lanes]; }
+        Lanes& operator+=(const Lanes& v) {
+            for (int k = 0; k < parts; ++k) part[k] += v.part[k];
+            return *this;
+        }
+        Lanes& operator-=(const Lanes& v) {
+            for (int k = 0; k < parts; ++k) part[k] -= v.part[k];
+            return *this;
+        }
+        Lanes& operator*=(const Lanes& v) {
+            for (int k = 0; k < parts; ++k) part[k] *= v.part[k];
+            return *this;
+        }
+        friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
+        friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
+        friend Lanes operator*(Lanes a, const Lanes& b) { return a *= b; }
+    };
+
+    SlicedRows() = default;
+    /// `fill(row, add)` calls add(column, value) for the entries of one row; `rows` is a multiple of `lanes`.
+    template <class Fill> SlicedRows(int rows, std::size_t entries, const Fill& fill) {
+        value_.reserve(entries / lanes * 5 / 4 + 16);
+        column_.reserve(value_.capacity());
+        slice_.reserve(static_cast<std::size_t>(rows / lanes));
+        for (int first = 0; first < rows; first += lanes) {
+            scratch_.clear();
+            std::array<std::size_t, lanes + 1> start{};
+            for (int lane = 0; lane < lanes; ++lane) {
+                fill(first + lane, [&](int column, double value) { scratch_.push_back({column, value}); });
+                start[static_cast<std::size_t>(lane) + 1] = scratch_.size();
+            }
+            add_slice(start);
+        }
+        scratch_ = {};
+    }
+    /// Whether no entry was rounded to T: these rows serve operands of higher precision too.
+    bool exact() const { return exact_; }
+    int slices() const { return static_cast<int>(slice_.size()); }
+
+    static typename Lanes::Part load_part(const T* x) {
+        typename Lanes::Part v;
+        std::memcpy(&v, x, sizeof(v));
+        return v;
+    }
+    static Lanes load(const T* x) {
+        Lanes v;
+        std::memcpy(static_cast<void*>(&v), x, sizeof(v));
+        return v;
+    }
+    static void store(T* x, const Lanes& v) { std::memcpy(x, &v, sizeof(v)); }
+
+    /// (A x)_l for the rows of one slice, in the precision of the operand; x points at its number 0, padded.
+    template <class X> void multiply_slice(int slice, const X* x, typename SlicedRows<X>::Lanes& sum) const {
+        using Operand = SlicedRows<X>;
+        const Slice& s = slice_[static_cast<std::size_t>(slice)];
+        if (s.index < 0) {
+            // Part by part: a running sum of several registers would live in memory.
+            for (int part = 0; part < Operand::Lanes::parts; ++part) {
+                typename Operand::Lanes::Part total = {};
+                const int lane = part * Operand::Lanes::part_lanes;
+                for (auto k = s.first; k < s.first + s.slots; ++k)
+                    total += part_as<X>(value_[k].data() + lane) * Operand::load_part(x + column_[k] + lane);
+                sum.part[part] = total;
+            }
+        } else {
+            // Kept a loop, GCC makes gathers of it: three times as fast as loads and inserts.
+            alignas(64) X gathered[lanes] = {};
+            const std::array<int, lanes>* index = &index_[static_cast<std::size_t>(s.index)];
+            for (auto k = s.first; k < s.first + s.slots; ++k, ++index) {
+                const T* value = value_[k].data();
+#pragma GCC unroll 1
+                for (std::size_t l = 0; l < lanes; ++l) gathered[l] += value[l] * x[(*index)[l]];
+            }
+            sum = Operand::load(gathered);
+        }
+    }
+
+private:
+    template <class X> static typename SlicedRows<X>::Lanes::Part part_as(const T* value) {
+        using Wide = typename SlicedRows<X>::Lanes;
+        typedef T Narrow __attribute__((vector_size(sizeof(T) * Wide::part_lanes)));  // NOLINT
+        Narrow narrow;
+        std::memcpy(&narrow, value, sizeof(narrow));
+        return __builtin_convertvector(narrow, typename Wide::Part);
+    }
+
+    using Slice = SliceOfRows;
+    struct Entry {
+        int column;
+        double value;
+    };
+    /// A gathered slot costs about four runs, whose zeros are cheap to multiply.
+    static constexpr std::size_t runs_for_a_gather = 3;
+
+    void add_slice(const std::array<std::size_t, lanes + 1>& start) {
+        std::size_t longest = 0;
+        for (std::size_t l = 0; l < lanes; ++l) longest = std::max(longest, start[l + 1] - start[l]);
+        const auto first = value_.size();
+        Slice slice{static_cast<std::uint32_t>(first), 0, -1};
+        if (!add_runs(start, runs_for_a_gather * longest)) {
+            slice.index = static_cast<int>(index_.size());
+            column_.resize(first + longest, 0);
+            value_.resize(first + longest);
+            index_.resize(index_.size() + longest);
+            for (std::size_t l = 0; l < lanes; ++l)
+                for (auto k = start[l]; k < start[l + 1]; ++k) {
+                    value_[first + k - start[l]][l] = rounded(scratch_[k].value);
+                    index_[static_cast<std::size_t>(slice.index) + k - start[l]][l] = scratch_[k].column;
+                }
+        }
+        slice.slots = static_cast<std::uint32_t>(value_.size() - first);
+        slice_.push_back(slice);
+    }
+
+    /// Neighbouring rows mostly have the same offsets in the same order: the next slot is tried first.
+    bool add_runs(const std::array<std::size_t, lanes + 1>& start, std::size_t most) {
+        const auto first = column_.size();
+        for (std::size_t l = 0; l < lanes; ++l) {
+            std::size_t slot = 0;
+            for (auto k = start[l]; k < start[l + 1]; ++k, ++slot) {
+                const int offset = scratch_[k].column - static_cast<int>(l);
+                const auto slots = column_.size() - first;
+                if (slot >= slots || column_[first + slot] != offset)
+                    for (slot = 0; slot < slots && column_[first + slot] != offset;) ++slot;
+                if (slot == slots) {
+                    if (slots == most) {
+                        column_.resize(first);
+                        value_.resize(first);
+                        return false;
+                    }
+                    column_.push_back(offset);
+                    value_.emplace_back();
+                }
+                value_[first + slot][l] += rounded(scratch_[k].value);
+            }
+        }
+        return true;
+    }
+
+    T rounded(double value) {
+        const T stored = static_cast<T>(value);
+        exact_ &= static_cast<double>(stored) == value;
+        return stored;
+    }
+
+    struct alignas(64) Values : std::array<T, lanes> {
+        Values() : std::array<T, lanes>{} {}
+    };
+    bool exact_ = true;
+    std::vector<Slice> slice_;
+    std::vector<int> column_;                     // per slot of a run
+    std::vector<std::array<int, lanes>> index_;   // per gathered slot
+    std::vector<Values> value_;                   // per slot
+    std::vector<Entry> scratch_;
+};
+
+}  // namespace tact
