@@ -7,6 +7,7 @@
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/projected_cg.hpp"
 #include "tact/contact/proximal_contact.hpp"
 #include "tact/contact/rows.hpp"
@@ -77,14 +78,19 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
     if (A.rows() != A.cols() || B.cols() != A.rows())
         throw InputError("AutomaticContact: A is " + A.shape() + " and B is " + B.shape() +
                          ", expected a square A and as many columns in B");
-    if (!A.is_symmetric()) return KluActiveSet().prepare(A, B);
     const bool medium = A.rows() <= largest_orthogonal;
     std::vector<Chain::Link> rest;
+    if (!A.is_symmetric()) {
+        if (B.rows() > 0 && B.rows() <= largest_orthogonal)
+            rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
+        return std::make_unique<Chain>(KluActiveSet().prepare(A, B), std::move(rest));
+    }
     std::unique_ptr<PreparedContact> first;
     bool schur = false;
     try {
         first = first_choice(A, B, schur);
     } catch (const NumericalError&) {
+        if (B.rows() == 0) throw;  // nothing there that could hold it
         // Singular, or nearly: what contact does not hold is found out by the proximal iteration.
         const std::shared_ptr<const ContactSolver> inner =
             medium ? std::shared_ptr<const ContactSolver>(std::make_shared<OrthogonalContact>())

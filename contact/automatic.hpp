@@ -7,7 +7,7 @@ namespace tact {
 
 /// The chooser. In this order:
 ///   A dense or diagonal, or at most 300 unknowns, symmetric  -> DenseContact
-///   A unsymmetric                                            -> KluActiveSet
+///   A unsymmetric                                            -> KluActiveSet, then PrincipalPivoting
 ///   condition estimate <= 20 and bounds                      -> ColourSor
 ///   condition estimate <= 20 and rows that do not overlap    -> ProjectedCg
 ///   else                                                     -> SchurContact

@@ -95,7 +95,9 @@ struct CoarseObstacle {
 class PreparedMultigrid final : public PreparedContact {
 public:
     PreparedMultigrid(const Matrix& A, const Matrix& B, CompressedRows rows, Bounds bounds)
-        : certificate_(A, B), order_(wave_order(rows)), bounds_(std::move(bounds)),
+        : certificate_(A, B),
+          order_(wave_order(rows)),
+          bounds_(std::move(bounds)),
           hierarchy_(order_.empty() ? std::move(rows) : permuted(rows, order_)) {
         place_.resize(at(A.rows()));
         scale_.resize(A.rows());
@@ -152,7 +154,8 @@ public:
                 hierarchy_.mask(0, active_);
                 krylov_.rz = 0;
             }
-            const double share = changed ? inexactness : std::clamp(0.5 * floor / largest, float_accuracy, inexactness);
+            const double share =
+                changed ? inexactness : std::clamp(0.5 * floor / largest, float_accuracy, inexactness);
             left = largest * krylov_.solve(hierarchy_, 0, active_, share, unit / largest);
             x_ += largest * krylov_.correction.cast<double>();
             unit = largest;
@@ -312,7 +315,8 @@ private:
         const auto& place = hierarchy_.place(0);
         const auto update = [&](int unknown) {
             const int i = place[at(unknown)];
-            x_[i] = std::min(std::max(x_[i] + hierarchy_.residual(unknown, b_.data(), x_.data()), lower_[i]), upper_[i]);
+            x_[i] =
+                std::min(std::max(x_[i] + hierarchy_.residual(unknown, b_.data(), x_.data()), lower_[i]), upper_[i]);
         };
         for (int sweep = 0; sweep < sweeps; ++sweep) {
             for (std::size_t k = 0; k < inner; ++k) update(near_[k]);

@@ -127,6 +127,33 @@ TEST(HardProblems, IllConditionedProgramsAgreeWithTheEnumeration) {
     }
 }
 
+TEST(HardProblems, UnsymmetricProgramsAgreeWithTheEnumeration) {
+    std::mt19937 random(4);
+    for (const Rows rows : {Rows::bounds, Rows::pairs, Rows::general})
+        for (int k = 0; k < 100; ++k) {
+            auto qp = random_program(random, 12, 1 + k % 6, rows);
+            const DenseMatrix skew = random_matrix(random, 12, 12);
+            qp.A += 2 * (skew - skew.transpose());  // the symmetric part stays positive definite
+            const auto exact = by_enumeration(qp);
+            ASSERT_TRUE(exact);
+            const Solved s = solve(AutomaticContact(), qp);
+            ASSERT_EQ(s.report.outcome, Outcome::converged) << to_string(s.report.outcome) << " " << k;
+            ASSERT_LE((s.u - exact->u).norm(), 1e-10 * (1 + exact->u.norm()));
+            ASSERT_LE(s.report.kkt.largest(), 1e-12);
+        }
+}
+
+TEST(HardProblems, ASingularMatrixWithoutContactIsAnErrorThatNamesIt) {
+    DenseMatrix singular(2, 2);
+    singular << 1, -1, -1, 1;
+    try {
+        (void)AutomaticContact().prepare(Matrix(singular), Matrix::without_rows(2));
+        FAIL();
+    } catch (const NumericalError& error) {
+        EXPECT_NE(std::string(error.what()).find("2x2 dense matrix is singular"), std::string::npos) << error.what();
+    }
+}
+
 TEST(HardProblems, AllRowsActiveAndMoreRowsThanUnknowns) {
     // A corner of 12 half-planes through one point, which is the solution: every row is active, most are redundant.
     QuadraticProgram qp{DenseMatrix::Identity(2, 2), DenseMatrix(12, 2), Vector::Zero(2), Vector(12)};
