@@ -270,7 +270,8 @@ CompressedRows transposed(const CompressedRows& A) {
     return T;
 }
 
-CompressedRows galerkin_product(const CompressedRows& A, const CompressedRows& P, const CompressedRows& P_transposed) {
+CompressedRows galerkin_product(const CompressedRows& A, const CompressedRows& P,
+                                const CompressedRows& P_transposed) {
     CompressedRows AP = without_rows(P.columns);
     AP.rows = A.rows;
     AP.start.reserve(at(A.rows) + 1);

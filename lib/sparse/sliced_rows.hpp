@@ -184,9 +184,9 @@ private:
     };
     bool exact_ = true;
     std::vector<Slice> slice_;
-    std::vector<int> column_;                     // per slot of a run
-    std::vector<std::array<int, lanes>> index_;   // per gathered slot
-    std::vector<Values> value_;                   // per slot
+    std::vector<int> column_;                    // per slot of a run
+    std::vector<std::array<int, lanes>> index_;  // per gathered slot
+    std::vector<Values> value_;                  // per slot
     std::vector<Entry> scratch_;
 };
 

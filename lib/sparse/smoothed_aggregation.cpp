@@ -106,8 +106,7 @@ void SmoothedAggregation::store_transfer(Level& fine, const Level& coarse) {
     fine.prolong = SlicedRows<float>(fine.padded, P.column.size(), [&](int place, const auto& add) {
         const int i = fine.unknown[at(place)];
         if (i < 0) return;
-        for (int k = P.begin(i); k < P.end(i); ++k)
-            add(coarse.place[at(P.column_at(k))] - padding, P.value_at(k));
+        for (int k = P.begin(i); k < P.end(i); ++k) add(coarse.place[at(P.column_at(k))] - padding, P.value_at(k));
     });
     // After a forward sweep the last colour has no residual.
     const int swept = fine.first_slice[fine.first_slice.size() - 2] * lanes;
@@ -127,7 +126,8 @@ void SmoothedAggregation::store_coarsest(const CompressedRows& A) {
     coarsest_.setZero(level.size, level.size);
     for (int i = 0; i < A.rows; ++i)
         for (int k = A.begin(i); k < A.end(i); ++k)
-            coarsest_(i, A.column_at(k)) = static_cast<float>(A.value_at(k) * level.scale[at(i)] * level.scale[at(A.column_at(k))]);
+            coarsest_(i, A.column_at(k)) =
+                static_cast<float>(A.value_at(k) * level.scale[at(i)] * level.scale[at(A.column_at(k))]);
     work_ = coarsest_;
     dense_.setZero(level.size);
     factor_ = Eigen::LLT<Eigen::MatrixXf>(level.size);

@@ -69,11 +69,11 @@ private:
         std::vector<double> scale;
         SlicedRows<float> couplings;  // A without its unit diagonal
         SlicedRows<float> prolong, restrict_swept;
-        CompressedRows P;  // rows and columns by unknown, scaled
+        CompressedRows P;            // rows and columns by unknown, scaled
         std::vector<float> row_sum;  // of |P|
         std::vector<int> aggregate;  // of each unknown, -1 if none
-        Floats diagonal, inverse;  // 1 + springs; zero where masked
-        Floats r, x, t;            // of the cycle
+        Floats diagonal, inverse;    // 1 + springs; zero where masked
+        Floats r, x, t;              // of the cycle
     };
     const Level& of(int level) const { return level_[static_cast<std::size_t>(level)]; }
     Level& of(int level) { return level_[static_cast<std::size_t>(level)]; }
