@@ -59,6 +59,7 @@ endfunction()
 function(tact_compile_options target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<BOOL:${TACT_WERROR}>:-Werror> -fno-math-errno
+    -Wno-psabi  # vector types are passed between inlined kernels only, never across a compiled boundary
     $<$<BOOL:${TACT_NATIVE}>:-march=native>)
   if(TACT_NATIVE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # Its own AVX-512 intrinsics start from an undefined register; the other presets keep the warning.
