@@ -54,8 +54,8 @@ public:
             b_[place(i)] = b[old] * colour_scale_[i];
         }
         set_bounds(c);
-        const double size = std::max(x_.lpNorm<Eigen::Infinity>(), b_.lpNorm<Eigen::Infinity>());
-        const double goal = accuracy * size;
+        const double scale = std::max(x_.lpNorm<Eigen::Infinity>(), b_.lpNorm<Eigen::Infinity>());
+        const double goal = accuracy * scale;
         for (report.iterations = 1;; ++report.iterations) {
             const double change = sweep();
             if (change <= goal) break;
@@ -65,15 +65,9 @@ public:
             }
         }
         for (Index i = 0; i < n_; ++i) u_[order_[static_cast<std::size_t>(i)]] = x_[place(i)] * colour_scale_[i];
-        multipliers(c, report);
-        report.kkt = certificate_(b, c, u_, lambda_);
-        if (!report.kkt.within(acceptable,
-                               std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>()))) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        point.u = u_;
-        point.lambda = lambda_;
+        multipliers(c);
+        const double size = std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>());
+        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
         return report;
     }
 
@@ -167,7 +161,7 @@ private:
     }
 
     /// lambda_i = (A u - b) at the unknown, over the weight, where the bound of row i is the one it lies on.
-    void multipliers(const ConstVectorRef& c, ContactReport& report) {
+    void multipliers(const ConstVectorRef& c) {
         lambda_.setZero();
         if (shared_) taken_.assign(static_cast<std::size_t>(padded_), 0);
         const double* x = x_.data() + padding;
@@ -183,7 +177,6 @@ private:
             if (force > 0) {
                 if (shared_) taken_[static_cast<std::size_t>(at)] = 1;
                 lambda_[static_cast<Index>(i)] = force;
-                ++report.active;
             }
         }
     }

@@ -243,14 +243,7 @@ public:
         for (Index i = 0; i < m; ++i)
             if (active_[static_cast<std::size_t>(i)] && rows_.columns(i).size() == 1)
                 u_[rows_.columns(i)[0]] = c[i] / rows_.weights(i)[0];
-        report.kkt = certificate_(b, c, u_, lambda_);
-        if (!report.kkt.within(acceptable, size)) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        report.active = static_cast<Index>(std::count(active_.begin(), active_.end(), char{1}));
-        point.u = u_;
-        point.lambda = lambda_;
+        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
         return report;
     }
 

@@ -58,14 +58,7 @@ public:
             for (const Index i : wrong_) active_[static_cast<std::size_t>(i)] ^= 1;
         }
         u_ = free_ + W_ * lambda_;
-        report.kkt = certificate_(b, c, u_, lambda_);
-        report.active = (lambda_.array() > 0).count();
-        if (!report.kkt.within(1e-10, size)) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        point.u = u_;
-        point.lambda = lambda_;
+        certify(report, certificate_, b, c, u_, lambda_, 1e-10, size, point);
         return report;
     }
 

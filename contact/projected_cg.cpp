@@ -103,15 +103,8 @@ public:
         for (Index i = 0; i < lambda_.size(); ++i)
             lambda_[i] = in_contact_[static_cast<std::size_t>(i)] ? std::max(lambda_[i], 0.0) * row_scale_[i] : 0.0;
         u_ = x_.cwiseProduct(scale_);
-        report.kkt = certificate_(b, c, u_, lambda_);
-        if (!report.kkt.within(acceptable,
-                               std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>()))) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        report.active = static_cast<Index>(active_.size());
-        point.u = u_;
-        point.lambda = lambda_;
+        const double size = std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>());
+        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
         return report;
     }
 

@@ -114,14 +114,7 @@ public:
         for (const Index row : pool_.members())
             if (lambda_[row] > 0 && rows_.columns(row).size() == 1)
                 u_[rows_.columns(row)[0]] = c[row] / rows_.weights(row)[0];
-        report.kkt = certificate_(b, c, u_, lambda_);
-        if (!report.kkt.within(acceptable, size)) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        report.active = (lambda_.array() > 0).count();
-        point.u = u_;
-        point.lambda = lambda_;
+        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
         return report;
     }
 

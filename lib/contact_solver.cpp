@@ -3,6 +3,20 @@
 #include "tact/lib/linear_solver.hpp"
 
 namespace tact {
+
+void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b,
+             const ConstVectorRef& c, const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance,
+             double gap_size, ContactPoint point) {
+    report.kkt = certificate(b, c, u, lambda);
+    report.active = (lambda.array() > 0).count();
+    if (!report.kkt.within(tolerance, gap_size)) {
+        report.outcome = Outcome::inaccurate;
+        return;
+    }
+    point.u = u;
+    point.lambda = lambda;
+}
+
 namespace {
 
 class PreparedLinear final : public PreparedContact {
@@ -15,11 +29,7 @@ public:
         factor_->solve(solution_);
         ContactReport report;
         report.strategy = "linear";
-        report.kkt = certificate_(b, none_, solution_, none_);
-        if (!solution_.allFinite())
-            report.outcome = Outcome::inaccurate;
-        else
-            point.u = solution_;
+        certify(report, certificate_, b, none_, solution_, none_, 1e-9, 0, point);
         return report;
     }
 

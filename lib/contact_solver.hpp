@@ -32,6 +32,12 @@ struct [[nodiscard]] ContactReport {
     Vector ray = {};
 };
 
+/// The common end of a solve: takes the certificate of (u, lambda) and counts the rows in contact; within `tolerance` (for
+/// gaps of size `gap_size`) the point takes them, else the outcome is `inaccurate` and the point stays.
+void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b,
+             const ConstVectorRef& c, const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance,
+             double gap_size, ContactPoint point);
+
 /// Contact solves with one (A, B) and many (b, c). Owns factors, symbolic analyses, cached columns and work space;
 /// knows no time. One thread at a time.
 class PreparedContact {

@@ -66,7 +66,6 @@ public:
                 for (const Index i : dual_.factor().rows()) {
                     if (multiplier_[i] == 0) continue;
                     u_ += multiplier_[i] * W_.col(i);
-                    ++report.active;
                 }
                 // A bound is met exactly: a gap of zero then is zero, not rounding.
                 for (const auto& [row, column, weight] : bounds_)
@@ -76,14 +75,8 @@ public:
                 lambda_.setZero();
             }
         }
-        report.kkt = certificate_(b, c, u_, lambda_);
         // NaN in b or c ends here, as does an A that is singular in all but name.
-        if (!report.kkt.within(acceptable, gap_size)) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        point.u = u_;
-        point.lambda = lambda_;
+        certify(report, certificate_, b, c, u_, lambda_, acceptable, gap_size, point);
         return report;
     }
 

@@ -92,17 +92,10 @@ public:
                 const SparseMatrix::InnerIterator entry(Bt_, i);
                 u_[entry.index()] = c[i] / entry.value();
             }
-        report.kkt = certificate_(b, c, u_, lambda_);
-        report.active = (lambda_.array() > 0).count();
         double gap_size = 0;
         for (Index i = 0; i < m; ++i)
             if (c[i] != -infinity) gap_size = std::max({gap_size, std::abs(c[i]), length_[i] * u_.norm()});
-        if (!report.kkt.within(acceptable, gap_size)) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
-        point.u = u_;
-        point.lambda = lambda_;
+        certify(report, certificate_, b, c, u_, lambda_, acceptable, gap_size, point);
         return report;
     }
 

@@ -19,7 +19,7 @@ namespace {
 long allocations = 0;
 }
 // Counts every allocation of this program: Eigen's vectors come from malloc, not from operator new.
-extern "C" void* __libc_malloc(std::size_t);       // NOLINT: glibc's own
+extern "C" void* __libc_malloc(std::size_t);          // NOLINT: glibc's own
 extern "C" void* malloc(std::size_t size) noexcept {  // NOLINT
     ++allocations;
     return __libc_malloc(size);

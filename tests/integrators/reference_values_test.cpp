@@ -101,8 +101,8 @@ TEST(ReferenceValuesFullSize, DynamicMembrane) {
 
 TEST(ReferenceValuesFullSize, TwoPlates) {
     const auto [p, mesh] = two_plates(100);
-    const Probe probes[] = {{.05, .5, .5, .0682799, 0},  {.05, .5, .5, .0874001, 1},  {.1, .5, .5, -.1092309, 0},
-                            {.1, .5, .5, -.1114558, 1},  {.2, .5, .5, -.0965147, 0},  {.2, .5, .5, -.1291376, 1}};
+    const Probe probes[] = {{.05, .5, .5, .0682799, 0}, {.05, .5, .5, .0874001, 1}, {.1, .5, .5, -.1092309, 0},
+                            {.1, .5, .5, -.1114558, 1}, {.2, .5, .5, -.0965147, 0}, {.2, .5, .5, -.1291376, 1}};
     const auto report = march(p, mesh, TimeGrid::until(.4, 2e-4), probes, 1e-7);
     EXPECT_EQ(report.first_contact_step, 25);
     EXPECT_EQ(report.most_active, 370);

@@ -82,13 +82,12 @@ TEST(ContactProblem, NamesTheFieldThatIsWrong) {
 }
 
 TEST(AffineVector, IsModesTimesCoefficientsWithOneSidedLimits) {
-    const AffineVector step(
-        DenseMatrix(DenseMatrix::Identity(2, 2)),
-        [](double t, Side side, VectorRef out) {
-            out[0] = t > 1 || (t == 1 && side == Side::right) ? 1 : 0;
-            out[1] = t;
-        },
-        {1.0});
+    const AffineVector step(DenseMatrix(DenseMatrix::Identity(2, 2)),
+                            [](double t, Side side, VectorRef out) {
+                                out[0] = t > 1 || (t == 1 && side == Side::right) ? 1 : 0;
+                                out[1] = t;
+                            },
+                            {1.0});
     EXPECT_EQ(step.at(1, Side::left), Eigen::Vector2d(0, 1));
     EXPECT_EQ(step.at(1, Side::right), Eigen::Vector2d(1, 1));
     EXPECT_EQ(AffineVector(Vector(Vector::Ones(3))).at(7), Vector::Ones(3));

@@ -14,8 +14,8 @@ KktResiduals by_definition(const DenseMatrix& A, const DenseMatrix& B, const Vec
     const auto over = [](double x, double y) { return x == 0 ? 0 : x / y; };
     const Vector zero = Vector::Zero(lambda.size());
     const Vector gap = B * u - c;
-    const double forces = largest(A.cwiseAbs() * u.cwiseAbs() + b.cwiseAbs() +
-                                  B.transpose().cwiseAbs() * lambda.cwiseAbs());
+    const double forces =
+        largest(A.cwiseAbs() * u.cwiseAbs() + b.cwiseAbs() + B.transpose().cwiseAbs() * lambda.cwiseAbs());
     const double gaps = largest(B.cwiseAbs() * u.cwiseAbs() + c.cwiseAbs());
     const double multipliers = largest(lambda.cwiseAbs());
     KktResiduals r;
@@ -23,8 +23,7 @@ KktResiduals by_definition(const DenseMatrix& A, const DenseMatrix& B, const Vec
     r.penetration = over(largest((-gap).cwiseMax(zero)), gaps);
     r.negativity = over(largest((-lambda).cwiseMax(zero)), multipliers);
     for (Index i = 0; i < lambda.size(); ++i)
-        r.complementarity =
-            std::max(r.complementarity, std::min(over(gap[i], gaps), over(lambda[i], multipliers)));
+        r.complementarity = std::max(r.complementarity, std::min(over(gap[i], gaps), over(lambda[i], multipliers)));
     return r;
 }
 

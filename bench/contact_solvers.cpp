@@ -1,0 +1,40 @@
+#include "tact/bench/contact_solvers.hpp"
+
+#include "tact/bench/interior_point.hpp"
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/colour_sor.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/projected_cg.hpp"
+#include "tact/contact/schur_contact.hpp"
+
+namespace tact::bench {
+
+const std::vector<NamedSolver>& contact_solvers() {
+    static const std::vector<NamedSolver> all = [] {
+        std::vector<NamedSolver> solvers{
+            {"chooser", std::make_shared<AutomaticContact>()},
+            {"klu-active-set", std::make_shared<KluActiveSet>()},
+            {"schur", std::make_shared<SchurContact>()},
+            {"projected-cg", std::make_shared<ProjectedCg>()},
+            {"colour-sor", std::make_shared<ColourSor>()},
+            {"dense", std::make_shared<DenseContact>()},
+            {"orthogonal", std::make_shared<OrthogonalContact>()},
+        };
+        if (auto ipopt = interior_point()) solvers.push_back({"ipopt", std::move(ipopt), true});
+        return solvers;
+    }();
+    return all;
+}
+
+std::shared_ptr<const ContactSolver> contact_solver(std::string_view name) {
+    std::string names;
+    for (const NamedSolver& each : contact_solvers()) {
+        if (each.name == name) return each.solver;
+        names += (names.empty() ? "" : ", ") + each.name;
+    }
+    throw InputError("contact_solver: name is " + std::string(name) + ", expected one of " + names);
+}
+
+}  // namespace tact::bench
