@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include "tact/contact/multigrid_krylov.hpp"
 #include "tact/lib/sparse/smoothed_aggregation.hpp"
 
 namespace tact {
@@ -27,6 +29,11 @@ struct Bounds {
             throw InputError("MultigridActiveSet: B is " + B.shape() +
                              " with a row of no or several entries, expected one a row");
         };
+        if (const Vector* diagonal = B.diagonal_entries(); diagonal && (diagonal->array() != 0).all()) {
+            std::iota(bounds.unknown.begin(), bounds.unknown.end(), 0);
+            bounds.weight.assign(diagonal->begin(), diagonal->end());
+            return bounds;
+        }
         const SparseMatrix copy = B.sparse() ? SparseMatrix() : B.to_sparse();
         const SparseMatrix& S = B.sparse() ? *B.sparse() : copy;
         for (Index j = 0; j < S.outerSize(); ++j)
@@ -39,51 +46,6 @@ struct Bounds {
         if (std::find(bounds.unknown.begin(), bounds.unknown.end(), -1) != bounds.unknown.end()) refuse();
         return bounds;
     }
-};
-
-/// Preconditioned conjugate gradients on the unmasked unknowns of one level.
-struct Krylov {
-    Floats residual, correction, z, p, q;
-    float rz = 0;  // 0: no direction to go on from
-
-    void resize(Index padded) {
-        for (Floats* v : {&residual, &correction, &z, &p, &q}) v->setZero(padded);
-    }
-
-    /// correction ~ A^-1 residual, until the norm of the residual is down to `share`; returns where it is. The next call
-    /// goes on with the last direction unless rz is zero: what it is given must be the same system's residual, `ratio`
-    /// the unit it was measured in before over that of now.
-    double solve(SmoothedAggregation& hierarchy, int level, const std::vector<int>& masked, double share,
-                 double ratio) {
-        correction.setZero();
-        const float start = residual.squaredNorm();
-        const float goal = static_cast<float>(share * share) * start;
-        const auto rescale = static_cast<float>(ratio);
-        if (rz > 0) {
-            p *= rescale;
-            rz *= rescale * rescale;
-        }
-        float left = start;
-        for (int k = 0; k < step_limit && left > goal; ++k) {
-            hierarchy.cycle(residual.data(), z.data());
-            const float next = residual.dot(z);
-            if (rz > 0)
-                p = z + (next / rz) * p;
-            else
-                p = z;
-            rz = next;
-            const float pq = hierarchy.multiply(level, p.data(), q.data(), masked);
-            const float alpha = next / pq;
-            if (!std::isfinite(alpha)) return infinity;
-            correction += alpha * p;
-            residual -= alpha * q;
-            left = residual.squaredNorm();
-        }
-        return std::sqrt(static_cast<double>(left / start));
-    }
-
-private:
-    static constexpr int step_limit = 40;
 };
 
 /// The obstacle problem of a coarse level, for a correction of the finest.
@@ -131,7 +93,7 @@ public:
         report.strategy = "multigrid active set";
         report.outcome = load(b, c, point.u);
         if (report.outcome != Outcome::converged) return report;
-        start_from_coarse_levels();
+        if (!guess_is_near()) start_from_coarse_levels();
         settled_.clear();
         krylov_.rz = 0;
         double left = infinity, unit = 1;  // of the residual: what the last round left, what it was measured in
@@ -170,8 +132,9 @@ private:
     /// Of one correction in single precision, whose rounding is amplified by the condition number.
     static constexpr double float_accuracy = 1e-3;
     static constexpr int iteration_limit = 200;
+    static constexpr double near = 0.01;
     static constexpr int rings = 4, sweeps = 8;
-    static constexpr int coarse_rounds = 4;
+    static constexpr int coarse_rounds = 3;
     static constexpr double coarse_share = 0.1;
 
     double size() const { return std::max(x_.lpNorm<Eigen::Infinity>(), b_size_); }
@@ -210,6 +173,31 @@ private:
         return c[static_cast<Index>(row)] / bounds_.weight[row];
     }
 
+    /// Whether the guess, moved to its bounds, is nearly at rest: the free residual is small against what the bounds
+    /// hold. Such a guess knows more than the coarse levels; it is taken with its set.
+    bool guess_is_near() {
+        guess_ = x_;
+        x_ = x_.cwiseMax(lower_).cwiseMin(upper_);
+        hierarchy_.residual(b_.data(), x_.data(), r_.data());
+        double held = 0, free = 0;
+        for (const int i : place_) {
+            const bool below = x_[i] == lower_[i] && r_[i] < 0, above = x_[i] == upper_[i] && r_[i] > 0;
+            double& largest = below || above ? held : free;
+            largest = std::max(largest, std::abs(r_[i]));
+            if (!below && !above) continue;
+            side_[at(i)] = below ? -1 : 1;
+            active_.push_back(i);
+        }
+        if (free <= near * held) {
+            hierarchy_.mask(0, active_);
+            return true;
+        }
+        for (const int i : active_) side_[at(i)] = 0;
+        active_.clear();
+        x_.swap(guess_);
+        return false;
+    }
+
     /// The best correction of x_ that the coarse levels can see, coarsest first.
     void start_from_coarse_levels() {
         if (hierarchy_.levels() == 1) return;
@@ -229,11 +217,12 @@ private:
             if (l + 1 == hierarchy_.levels())
                 c.x.setZero();
             else
-                hierarchy_.prolong_all(l, coarse_[at(l + 1)].x.data(), c.x.data());
+                hierarchy_.prolong_all(l, coarse_[at(l + 1)].x.data(), c.b.data(), c.x.data());
             solve_coarse(l, c);
         }
-        hierarchy_.prolong_all(0, coarse_[1].x.data(), krylov_.z.data());
+        hierarchy_.prolong_all(0, coarse_[1].x.data(), krylov_.residual.data(), krylov_.z.data());
         x_ += krylov_.z.cast<double>();
+        hierarchy_.mask(0, active_);
     }
 
     /// A few rounds of the fine level's kind, all in single precision.
@@ -404,7 +393,7 @@ private:
     std::vector<signed char> side_;  // of the active: -1 on the lower bound, 1 on the upper
     std::vector<std::uint64_t> settled_;
     std::vector<CoarseObstacle> coarse_;
-    Vector x_, b_, r_, lower_, upper_, u_, lambda_, force_;
+    Vector x_, guess_, b_, r_, lower_, upper_, u_, lambda_, force_;
     Krylov krylov_;
     Floats lower_gap_, upper_gap_;
 };
@@ -417,7 +406,8 @@ std::unique_ptr<PreparedContact> MultigridActiveSet::prepare(const Matrix& A, co
                          ", expected a square symmetric A and as many columns in B");
     };
     if (A.rows() != A.cols() || B.cols() != A.rows()) refuse();
-    CompressedRows rows = compressed_columns(A.sparse() ? *A.sparse() : A.to_sparse());
+    const SparseMatrix copy = A.sparse() ? SparseMatrix() : A.to_sparse();
+    CompressedRows rows = compressed_columns(A.sparse() ? *A.sparse() : copy);
     // The second question is for patterns with stored zeros; it costs as much as the hierarchy.
     if (!symmetric_in_place(rows) && !A.is_symmetric()) refuse();
     if (!(A.main_diagonal().array() > 0).all())

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 namespace tact {
@@ -13,30 +14,35 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// good as random, and a wrong guess costs more than the sum.
 class SparseSum {
 public:
-    explicit SparseSum(int columns) : value_(at(columns), 0.0), held_(at(columns), 0), column_(at(columns) + 1) {}
+    explicit SparseSum(int columns) : sum_(at(columns)), column_(at(columns) + 1) {}
 
     void add(int column, double value) {
+        Sum& sum = sum_[at(column)];
         column_[count_] = column;
-        count_ += 1U - held_[at(column)];
-        held_[at(column)] = 1;
-        value_[at(column)] += value;
+        count_ += sum.fresh;
+        sum.fresh = 0;
+        sum.value += value;
     }
     /// Becomes the next row.
     void append_to(CompressedRows& rows) {
+        const auto first = rows.column.size();
+        rows.column.insert(rows.column.end(), column_.begin(), column_.begin() + static_cast<std::ptrdiff_t>(count_));
+        rows.value.resize(first + count_);
         for (std::size_t k = 0; k < count_; ++k) {
-            const auto column = at(column_[k]);
-            rows.column.push_back(column_[k]);
-            rows.value.push_back(value_[column]);
-            value_[column] = 0;
-            held_[column] = 0;
+            Sum& sum = sum_[at(column_[k])];
+            rows.value[first + k] = sum.value;
+            sum = {};
         }
-        rows.start.push_back(static_cast<int>(rows.column.size()));
+        rows.start.push_back(static_cast<int>(first + count_));
         count_ = 0;
     }
 
 private:
-    std::vector<double> value_;
-    std::vector<unsigned char> held_;
+    struct Sum {
+        double value = 0;
+        std::uint32_t fresh = 1;  // (of another type than count_, which then stays in a register)
+    };
+    std::vector<Sum> sum_;
     std::vector<int> column_;
     std::size_t count_ = 0;
 };

@@ -12,17 +12,12 @@
 
 namespace tact {
 
-/// Where one slice of SlicedRows lies, whatever its precision.
-struct SliceOfRows {
-    std::uint32_t first, slots;
-    int index;  ///< of its first group of gathered columns, -1 if it reads runs
-};
-
 /// Rows in slices of `lanes`. Where the columns of a slice follow each other from lane to lane (meshes numbered along
 /// lines, also colour by colour or by wave fronts) a slot keeps the first one only and reads its operand as one vector;
 /// other slices gather. Operands are padded by `padding` numbers on both sides: a slot may reach past the ends with
 /// zero weight. A sibling of SlicedEll for hierarchies that are built as often as they are used: the pattern is found
-/// in one pass over the entries without sorting, and T = float halves the memory that a sweep moves.
+/// in one pass over the entries without sorting, T = float halves the memory that a sweep moves, and slices with equal
+/// values or equal gathers (relative to their first column) share them, so that a mesh of equal cells stays in cache.
 template <class T> class SlicedRows {
 public:
     static constexpr int lanes = 16;
@@ -55,8 +50,7 @@ public:
     SlicedRows() = default;
     /// `fill(row, add)` calls add(column, value) for the entries of one row; `rows` is a multiple of `lanes`.
     template <class Fill> SlicedRows(int rows, std::size_t entries, const Fill& fill) {
-        value_.reserve(entries / lanes * 5 / 4 + 16);
-        column_.reserve(value_.capacity());
+        scratch_.reserve(entries / static_cast<std::size_t>(std::max(rows, 1)) * 2 * lanes);
         slice_.reserve(static_cast<std::size_t>(rows / lanes));
         for (int first = 0; first < rows; first += lanes) {
             scratch_.clear();
@@ -68,6 +62,8 @@ public:
             add_slice(start);
         }
         scratch_ = {};
+        seen_values_ = seen_gathers_ = {};
+        value_.shrink_to_fit();
     }
     /// Whether no entry was rounded to T: these rows serve operands of higher precision too.
     bool exact() const { return exact_; }
@@ -89,23 +85,25 @@ public:
     template <class X> void multiply_slice(int slice, const X* x, typename SlicedRows<X>::Lanes& sum) const {
         using Operand = SlicedRows<X>;
         const Slice& s = slice_[static_cast<std::size_t>(slice)];
-        if (s.index < 0) {
+        const Values* value = &value_[s.value];
+        if (!s.gathers) {
             // Part by part: a running sum of several registers would live in memory.
+            const int* column = &column_[s.column];
             for (int part = 0; part < Operand::Lanes::parts; ++part) {
                 typename Operand::Lanes::Part total = {};
                 const int lane = part * Operand::Lanes::part_lanes;
-                for (auto k = s.first; k < s.first + s.slots; ++k)
-                    total += part_as<X>(value_[k].data() + lane) * Operand::load_part(x + column_[k] + lane);
+                for (unsigned k = 0; k < s.slots; ++k)
+                    total += part_as<X>(value[k].data() + lane) * Operand::load_part(x + column[k] + lane);
                 sum.part[part] = total;
             }
         } else {
             // Kept a loop, GCC makes gathers of it: three times as fast as loads and inserts.
             alignas(64) X gathered[lanes] = {};
-            const std::array<int, lanes>* index = &index_[static_cast<std::size_t>(s.index)];
-            for (auto k = s.first; k < s.first + s.slots; ++k, ++index) {
-                const T* value = value_[k].data();
+            const Columns* column = &gather_[s.column];
+            x += s.first_column;
+            for (unsigned k = 0; k < s.slots; ++k) {
 #pragma GCC unroll 1
-                for (std::size_t l = 0; l < lanes; ++l) gathered[l] += value[l] * x[(*index)[l]];
+                for (std::size_t l = 0; l < lanes; ++l) gathered[l] += value[k][l] * x[column[k][l]];
             }
             sum = Operand::load(gathered);
         }
@@ -120,57 +118,92 @@ private:
         return __builtin_convertvector(narrow, typename Wide::Part);
     }
 
-    using Slice = SliceOfRows;
+    struct Slice {
+        std::uint32_t value, column, slots;  // column: in column_, or in gather_
+        int first_column;
+        bool gathers;
+    };
     struct Entry {
         int column;
         double value;
     };
+    struct alignas(64) Values : std::array<T, lanes> {
+        Values() : std::array<T, lanes>{} {}
+    };
+    using Columns = std::array<int, lanes>;
     /// A gathered slot costs about four runs, whose zeros are cheap to multiply.
     static constexpr std::size_t runs_for_a_gather = 3;
 
     void add_slice(const std::array<std::size_t, lanes + 1>& start) {
         std::size_t longest = 0;
         for (std::size_t l = 0; l < lanes; ++l) longest = std::max(longest, start[l + 1] - start[l]);
-        const auto first = value_.size();
-        Slice slice{static_cast<std::uint32_t>(first), 0, -1};
+        const auto value = value_.size();
+        Slice slice{static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(column_.size()), 0, 0, false};
         if (!add_runs(start, runs_for_a_gather * longest)) {
-            slice.index = static_cast<int>(index_.size());
-            column_.resize(first + longest, 0);
-            value_.resize(first + longest);
-            index_.resize(index_.size() + longest);
+            slice.gathers = true;
+            slice.first_column = scratch_[0].column;
+            slice.column = static_cast<std::uint32_t>(gather_.size());
+            value_.resize(value + longest);
+            gather_.resize(gather_.size() + longest, Columns{});
             for (std::size_t l = 0; l < lanes; ++l)
                 for (auto k = start[l]; k < start[l + 1]; ++k) {
-                    value_[first + k - start[l]][l] = rounded(scratch_[k].value);
-                    index_[static_cast<std::size_t>(slice.index) + k - start[l]][l] = scratch_[k].column;
+                    value_[value + k - start[l]][l] = rounded(scratch_[k].value);
+                    gather_[slice.column + k - start[l]][l] = scratch_[k].column - slice.first_column;
                 }
+            slice.column = shared(gather_, slice.column, seen_gathers_);
         }
-        slice.slots = static_cast<std::uint32_t>(value_.size() - first);
+        slice.slots = static_cast<std::uint32_t>(value_.size() - value);
+        slice.value = shared(value_, slice.value, seen_values_);
         slice_.push_back(slice);
     }
 
     /// Neighbouring rows mostly have the same offsets in the same order: the next slot is tried first.
     bool add_runs(const std::array<std::size_t, lanes + 1>& start, std::size_t most) {
-        const auto first = column_.size();
+        const auto column = column_.size(), value = value_.size();
         for (std::size_t l = 0; l < lanes; ++l) {
             std::size_t slot = 0;
             for (auto k = start[l]; k < start[l + 1]; ++k, ++slot) {
                 const int offset = scratch_[k].column - static_cast<int>(l);
-                const auto slots = column_.size() - first;
-                if (slot >= slots || column_[first + slot] != offset)
-                    for (slot = 0; slot < slots && column_[first + slot] != offset;) ++slot;
+                const auto slots = column_.size() - column;
+                if (slot >= slots || column_[column + slot] != offset)
+                    for (slot = 0; slot < slots && column_[column + slot] != offset;) ++slot;
                 if (slot == slots) {
                     if (slots == most) {
-                        column_.resize(first);
-                        value_.resize(first);
+                        column_.resize(column);
+                        value_.resize(value);
                         return false;
                     }
                     column_.push_back(offset);
                     value_.emplace_back();
                 }
-                value_[first + slot][l] += rounded(scratch_[k].value);
+                value_[value + slot][l] += rounded(scratch_[k].value);
             }
         }
         return true;
+    }
+
+    /// Where what was just appended stands already, if a slice with the same hash before it was equal.
+    struct Seen {
+        std::size_t first = 0, count = 0;
+    };
+    template <class Block>
+    static std::uint32_t shared(std::vector<Block>& blocks, std::size_t first, std::vector<Seen>& seen) {
+        const std::size_t count = blocks.size() - first, words = count * sizeof(Block) / sizeof(std::uint64_t);
+        if (count == 0) return static_cast<std::uint32_t>(first);
+        std::uint64_t hash = count;
+        for (std::size_t k = 0; k < words; ++k) {
+            std::uint64_t word;
+            std::memcpy(&word, reinterpret_cast<const char*>(&blocks[first]) + k * sizeof(word), sizeof(word));
+            hash = (hash ^ word) * 0x9e3779b97f4a7c15ULL;
+        }
+        if (seen.empty()) seen.resize(1024);
+        Seen& same = seen[(hash >> 40) % seen.size()];
+        if (same.count == count && std::memcmp(&blocks[same.first], &blocks[first], count * sizeof(Block)) == 0) {
+            blocks.resize(first);
+            return static_cast<std::uint32_t>(same.first);
+        }
+        same = {first, count};
+        return static_cast<std::uint32_t>(first);
     }
 
     T rounded(double value) {
@@ -179,15 +212,13 @@ private:
         return stored;
     }
 
-    struct alignas(64) Values : std::array<T, lanes> {
-        Values() : std::array<T, lanes>{} {}
-    };
     bool exact_ = true;
     std::vector<Slice> slice_;
-    std::vector<int> column_;                    // per slot of a run
-    std::vector<std::array<int, lanes>> index_;  // per gathered slot
-    std::vector<Values> value_;                  // per slot
+    std::vector<int> column_;      // per slot of a run
+    std::vector<Columns> gather_;  // per gathered slot, relative to the slice's first column
+    std::vector<Values> value_;    // per slot
     std::vector<Entry> scratch_;
+    std::vector<Seen> seen_values_, seen_gathers_;
 };
 
 }  // namespace tact

@@ -40,7 +40,8 @@ SmoothedAggregation::SmoothedAggregation(CompressedRows finest) : A_(std::move(f
         // Where hardly anything is coupled strongly sweeps converge by themselves.
         if (aggregates.root.empty() || 2 * static_cast<int>(aggregates.root.size()) > A.rows) break;
         level.P = smoothed_prolongator(A, diagonal, aggregates);
-        coarse = galerkin_product(A, level.P, transposed(level.P));
+        level.R = transposed(level.P);
+        coarse = galerkin_product(A, level.P, level.R);
         scale_transfer(level, coarse, aggregates);
     }
     for (int l = 0; l + 1 < levels(); ++l) store_transfer(of(l), of(l + 1));
@@ -87,29 +88,33 @@ void SmoothedAggregation::store_couplings(Level& level, const CompressedRows& A)
 }
 
 void SmoothedAggregation::scale_transfer(Level& level, const CompressedRows& coarse, const Aggregates& aggregates) {
-    const auto diagonal = diagonal_of(coarse);
+    std::vector<double> inverse = diagonal_of(coarse), root(level.scale.size());
+    for (double& d : inverse) d = 1 / std::sqrt(d);
+    for (std::size_t i = 0; i < root.size(); ++i) root[i] = 1 / level.scale[i];
     for (int i = 0; i < level.P.rows; ++i) {
-        float sum = 0;
+        double sum = 0;
         for (int k = level.P.begin(i); k < level.P.end(i); ++k) {
-            double& p = level.P.value[at(k)];
-            p /= level.scale[at(i)] * std::sqrt(diagonal[at(level.P.column_at(k))]);
-            sum += static_cast<float>(std::abs(p));
+            level.P.value[at(k)] *= root[at(i)] * inverse[at(level.P.column_at(k))];
+            sum += std::abs(level.P.value_at(k));
         }
-        level.row_sum.push_back(sum);
+        level.row_sum.push_back(static_cast<float>(sum));
     }
+    for (int J = 0; J < level.R.rows; ++J)
+        for (int k = level.R.begin(J); k < level.R.end(J); ++k)
+            level.R.value[at(k)] *= root[at(level.R.column_at(k))] * inverse[at(J)];
     level.aggregate = aggregates.of;
 }
 
 void SmoothedAggregation::store_transfer(Level& fine, const Level& coarse) {
+    // After a forward sweep the last colour has no residual; before a backward sweep its values do not matter.
     const CompressedRows& P = fine.P;
-    const CompressedRows R = transposed(P);
-    fine.prolong = SlicedRows<float>(fine.padded, P.column.size(), [&](int place, const auto& add) {
+    const CompressedRows& R = fine.R;
+    const int swept = fine.first_slice[fine.first_slice.size() - 2] * lanes;
+    fine.prolong = SlicedRows<float>(swept, P.column.size(), [&](int place, const auto& add) {
         const int i = fine.unknown[at(place)];
         if (i < 0) return;
         for (int k = P.begin(i); k < P.end(i); ++k) add(coarse.place[at(P.column_at(k))] - padding, P.value_at(k));
     });
-    // After a forward sweep the last colour has no residual.
-    const int swept = fine.first_slice[fine.first_slice.size() - 2] * lanes;
     fine.restrict_swept = SlicedRows<float>(coarse.padded, P.column.size(), [&](int place, const auto& add) {
         const int J = coarse.unknown[at(place)];
         if (J < 0) return;
@@ -118,6 +123,7 @@ void SmoothedAggregation::store_transfer(Level& fine, const Level& coarse) {
             if (column < swept) add(column, R.value_at(k));
         }
     });
+    fine.R = {};
 }
 
 void SmoothedAggregation::store_coarsest(const CompressedRows& A) {
@@ -187,8 +193,6 @@ float SmoothedAggregation::multiply(int level, const float* p, float* q, std::sp
 }
 
 void SmoothedAggregation::mask(int level, std::span<const int> masked) {
-    Level& top = of(masked_level_);
-    for (const int place : masked_) top.inverse[place] = 1;
     for (int l = masked_level_ + 1; l < levels(); ++l) {
         for (const int i : sprung_[at(l)]) {
             of(l).diagonal[of(l).place[at(i)]] = 1;
@@ -198,7 +202,6 @@ void SmoothedAggregation::mask(int level, std::span<const int> masked) {
     }
     masked_.assign(masked.begin(), masked.end());
     masked_level_ = level;
-    for (const int place : masked_) of(level).inverse[place] = 0;
     spread_springs();
     factor_coarsest();
 }
@@ -239,36 +242,47 @@ void SmoothedAggregation::factor_coarsest() {
             work_.col(i).setZero();
             work_(i, i) = 1;
         }
-    factor_.compute(work_);
-    if (factor_.info() != Eigen::Success)
-        throw NumericalError("SmoothedAggregation: the coarsest operator is not positive definite");
+    // Positive definite in double may be indefinite in single precision: a preconditioner may be shifted.
+    for (float shift = 1e-6F; factor_.compute(work_).info() != Eigen::Success && shift < 1; shift *= 10)
+        work_.diagonal().array() += shift;
 }
 
-void SmoothedAggregation::sweep(const Level& level, int colour, const float* r, float* x) const {
-    for (int s = level.first_slice[at(colour)]; s < level.first_slice[at(colour) + 1]; ++s) {
+void SmoothedAggregation::sweep(int number, int colour, const float* r, float* x) const {
+    const Level& level = of(number);
+    const int begin = level.first_slice[at(colour)], end = level.first_slice[at(colour) + 1];
+    const bool springs = number > masked_level_ && !sprung_[at(number)].empty();
+    for (int s = begin; s < end; ++s) {
         Lanes sum;
         level.couplings.multiply_slice(s, x + padding, sum);
         const int i = padding + s * lanes;
-        store(x + i, load(&level.inverse[i]) * (load(r + i) - sum));
+        Lanes next = load(r + i) - sum;
+        if (springs) next *= load(&level.inverse[i]);
+        store(x + i, next);
     }
+    if (number == masked_level_) hold(x);
+}
+
+void SmoothedAggregation::hold(float* x) const {
+    for (const int place : masked_) x[place] = 0;
 }
 
 void SmoothedAggregation::descend(int number, const float* r, float* x) {
     Level& level = of(number);
+    const bool masked = number == masked_level_;
     if (number + 1 == levels() && level.size <= coarsest_size) {
         for (int i = 0; i < level.size; ++i) dense_[i] = r[level.place[at(i)]];
         factor_.solveInPlace(dense_);
         for (int i = 0; i < level.size; ++i) x[level.place[at(i)]] = dense_[i];
-        if (number == masked_level_)
-            for (const int place : masked_) x[place] = 0;
+        if (masked) hold(x);
         return;
     }
     // Forward sweep from zero: the first colour is coupled to nothing yet.
     const int colours = static_cast<int>(level.first_slice.size()) - 1;
     const int first = lanes * level.first_slice[1], last = lanes * level.first_slice[at(colours) - 1];
     for (int i = padding; i < padding + first; i += lanes) store(x + i, load(&level.inverse[i]) * load(r + i));
+    if (masked) hold(x);
     if (colours > 2) std::fill(x + padding + first, x + padding + level.padded, 0.0F);
-    for (int colour = 1; colour < colours; ++colour) sweep(level, colour, r, x);
+    for (int colour = 1; colour < colours; ++colour) sweep(number, colour, r, x);
 
     if (number + 1 < levels()) {
         Level& coarse = of(number + 1);
@@ -278,24 +292,21 @@ void SmoothedAggregation::descend(int number, const float* r, float* x) {
             level.couplings.multiply_slice(s, x + padding, sum);
             store(t + i, load(r + i) - load(&level.diagonal[i]) * load(x + i) - sum);
         }
-        if (number == masked_level_)
-            for (const int place : masked_) t[place] = 0;
+        if (masked) hold(t);
         for (int s = 0; s < level.restrict_swept.slices(); ++s) {
             Lanes sum;
             level.restrict_swept.multiply_slice(s, t + padding, sum);
             store(&coarse.r[padding + s * lanes], sum);
         }
         descend(number + 1, coarse.r.data(), coarse.x.data());
-        // The last colour is about to be overwritten.
         for (int i = padding, s = 0; i < padding + last; i += lanes, ++s) {
             Lanes sum;
             level.prolong.multiply_slice(s, coarse.x.data() + padding, sum);
             store(x + i, load(x + i) + sum);
         }
-        if (number == masked_level_)
-            for (const int place : masked_) x[place] = 0;
+        if (masked) hold(x);
     }
-    for (int colour = colours - 1; colour >= 0; --colour) sweep(level, colour, r, x);
+    for (int colour = colours - 1; colour >= 0; --colour) sweep(number, colour, r, x);
 }
 
 void SmoothedAggregation::restrict_all(int number, const float* r, float* coarse) const {
@@ -326,13 +337,15 @@ void SmoothedAggregation::restrict_bounds(int number, const float* lower, const 
     for (const int place : next.place) coarse_upper[place] = std::max(coarse_upper[place], coarse_lower[place]);
 }
 
-void SmoothedAggregation::prolong_all(int number, const float* coarse, float* x) const {
+void SmoothedAggregation::prolong_all(int number, const float* coarse, const float* r, float* x) const {
     const Level& fine = of(number);
     for (int s = 0; s < fine.prolong.slices(); ++s) {
         Lanes sum;
         fine.prolong.multiply_slice(s, coarse + padding, sum);
         store(x + padding + s * lanes, sum);
     }
+    std::fill(x + padding + fine.prolong.slices() * lanes, x + padding + fine.padded, 0.0F);
+    sweep(number, static_cast<int>(fine.first_slice.size()) - 2, r, x);
 }
 
 }  // namespace tact

@@ -55,8 +55,8 @@ public:
 
     /// From a level to the next coarser, r_coarse = P' r.
     void restrict_all(int level, const float* r, float* coarse) const;
-    /// x = P x_coarse.
-    void prolong_all(int level, const float* coarse, float* x) const;
+    /// x = P x_coarse, and on the last colour what solves A x = r there.
+    void prolong_all(int level, const float* coarse, const float* r, float* x) const;
     /// Bounds of a level to the next coarser: the tightest of each aggregate.
     void restrict_bounds(int level, const float* lower, const float* upper, float* coarse_lower,
                          float* coarse_upper) const;
@@ -69,10 +69,10 @@ private:
         std::vector<double> scale;
         SlicedRows<float> couplings;  // A without its unit diagonal
         SlicedRows<float> prolong, restrict_swept;
-        CompressedRows P;            // rows and columns by unknown, scaled
+        CompressedRows P, R;  // rows and columns by unknown, scaled; R = transpose of P while the hierarchy is made
         std::vector<float> row_sum;  // of |P|
         std::vector<int> aggregate;  // of each unknown, -1 if none
-        Floats diagonal, inverse;    // 1 + springs; zero where masked
+        Floats diagonal, inverse;    // 1 + springs, and one over it
         Floats r, x, t;              // of the cycle
     };
     const Level& of(int level) const { return level_[static_cast<std::size_t>(level)]; }
@@ -86,7 +86,8 @@ private:
     void spread_springs();
     void factor_coarsest();
     void descend(int level, const float* r, float* z);
-    void sweep(const Level& level, int colour, const float* r, float* x) const;
+    void sweep(int level, int colour, const float* r, float* x) const;
+    void hold(float* x) const;
 
     static constexpr int coarsest_size = 100;
     static constexpr double strength = 0.08;

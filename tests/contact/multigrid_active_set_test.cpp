@@ -68,11 +68,11 @@ void expect_agreement(const Problem& p) {
     EXPECT_LE(report.kkt.largest(), 1e-12);
     EXPECT_EQ(report.kkt.penetration, 0);
     EXPECT_GE(lambda.minCoeff(), 0);
-    EXPECT_GT(report.active, 0);
+    EXPECT_EQ(report.active, exact.active);
     EXPECT_LE((u - v).lpNorm<Eigen::Infinity>(), 1e-9 * v.lpNorm<Eigen::Infinity>());
     EXPECT_LE((lambda - mu).lpNorm<Eigen::Infinity>(), 1e-8 * mu.lpNorm<Eigen::Infinity>());
-    for (Index i = 0; i < m; ++i)
-        if (lambda[i] > 0) ASSERT_NEAR((p.B * u)[i], p.c[i], 1e-15 * std::abs(p.c[i]));
+    const Vector gap = p.B * u - p.c;
+    EXPECT_LE((lambda.array() > 0).select(gap.cwiseAbs(), 0).maxCoeff(), 1e-15 * v.lpNorm<Eigen::Infinity>() * 10);
 }
 
 TEST(MultigridActiveSet, AgreesWithTheSchurComplementOnMembranes) {
