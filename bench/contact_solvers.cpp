@@ -6,6 +6,7 @@
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/multigrid_active_set.hpp"
 #include "tact/contact/projected_cg.hpp"
 #include "tact/contact/schur_contact.hpp"
 
@@ -14,13 +15,10 @@ namespace tact::bench {
 const std::vector<NamedSolver>& contact_solvers() {
     static const std::vector<NamedSolver> all = [] {
         std::vector<NamedSolver> solvers{
-            {"chooser", std::make_shared<AutomaticContact>()},
-            {"klu-active-set", std::make_shared<KluActiveSet>()},
-            {"schur", std::make_shared<SchurContact>()},
-            {"projected-cg", std::make_shared<ProjectedCg>()},
-            {"colour-sor", std::make_shared<ColourSor>()},
-            {"dense", std::make_shared<DenseContact>()},
-            {"orthogonal", std::make_shared<OrthogonalContact>()},
+            {"chooser", std::make_shared<AutomaticContact>()}, {"klu-active-set", std::make_shared<KluActiveSet>()},
+            {"schur", std::make_shared<SchurContact>()},       {"projected-cg", std::make_shared<ProjectedCg>()},
+            {"colour-sor", std::make_shared<ColourSor>()},     {"multigrid", std::make_shared<MultigridActiveSet>()},
+            {"dense", std::make_shared<DenseContact>()},       {"orthogonal", std::make_shared<OrthogonalContact>()},
         };
         if (auto ipopt = interior_point()) solvers.push_back({"ipopt", std::move(ipopt), true});
         return solvers;

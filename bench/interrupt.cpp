@@ -1,6 +1,6 @@
 #include "tact/bench/interrupt.hpp"
 
-#include <csignal>
+#include <csignal>  // sigaction too
 
 namespace tact::bench {
 namespace {
@@ -15,8 +15,11 @@ void note(int signal) {
 }  // namespace
 
 void catch_interrupts() {
-    std::signal(SIGINT, note);
-    std::signal(SIGTERM, note);
+    // Without SA_RESTART, which std::signal sets: who waits for another process has to wake up.
+    struct sigaction action = {};
+    action.sa_handler = note;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
 }
 
 bool interrupted() { return signalled != 0; }

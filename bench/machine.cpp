@@ -1,6 +1,8 @@
 #include "tact/bench/machine.hpp"
 
+#include <unistd.h>
 #include <CLI/Version.hpp>
+
 #include <Eigen/Core>
 #include <array>
 #include <cstdlib>
@@ -80,7 +82,11 @@ Json machine() {
     return machine;
 }
 
-void use_one_thread() {
+void use_one_thread(char** arguments) {
+    if (!std::getenv("OMP_THREAD_LIMIT")) {
+        for (const char* name : {"OMP_THREAD_LIMIT", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"}) setenv(name, "1", 0);
+        execv("/proc/self/exe", arguments);  // comes back only where it fails: then as before
+    }
     if (openblas_set_num_threads && !std::getenv("OPENBLAS_NUM_THREADS")) openblas_set_num_threads(1);
     if (omp_set_num_threads && !std::getenv("OMP_NUM_THREADS")) omp_set_num_threads(1);
 }

@@ -1,11 +1,14 @@
-// tact-bench: the studies and single cases. Exit code 0: done; 1: bad input or a solve that did not converge, said on
-// standard error; 130: interrupted.
+// tact-bench: the studies, single cases, problems from files. Exit code 0: done; 1: bad input, a solve that did not
+// converge or an answer that is not the expected one, said on standard error or in the table; 130: interrupted.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "tact/bench/case.hpp"
+#include "tact/bench/contact_solvers.hpp"
 #include "tact/bench/interrupt.hpp"
+#include "tact/bench/qp.hpp"
 #include "tact/bench/report.hpp"
+#include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
 #include "tact/lib/errors.hpp"
 #include "tact/lib/io/write_file.hpp"
@@ -47,6 +50,28 @@ void add_case(CLI::App& app, int& code) {
     });
 }
 
+void add_qp(CLI::App& app, int& code) {
+    struct Arguments {
+        std::string folder, out, solver = "chooser";
+    };
+    const auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand(
+        "qp", "Quadratic programmes from files (A.mtx, B.mtx, b.txt, c.txt), compared with expected.json");
+    command->add_option("folder", arguments->folder, "Folder of problem folders, or one of them")->required();
+    command->add_option("--out", arguments->out, "json file of the answers");
+    std::vector<std::string> names;
+    for (const NamedSolver& each : contact_solvers()) names.push_back(each.name);
+    command->add_option("--solver", arguments->solver, "What solves them")
+        ->check(CLI::IsMember(names))
+        ->capture_default_str();
+    command->callback([arguments, &code] {
+        const Json problems = run_qp(arguments->folder, *contact_solver(arguments->solver));
+        std::cout << qp_table(problems) << std::flush;
+        if (!arguments->out.empty()) write_file(arguments->out, problems.dump(1) + "\n");
+        if (!qp_agrees(problems)) code = 1;
+    });
+}
+
 /// What every study takes.
 struct StudyArguments {
     std::string size = "full";
@@ -82,12 +107,37 @@ void add_speedup(CLI::App& app) {
     });
 }
 
+void add_solvers(CLI::App& app) {
+    struct Arguments : StudyArguments {
+        bool peers = false;
+        std::vector<std::string> scenes;
+    };
+    CLI::App* command =
+        app.add_subcommand("solvers", "Every contact strategy, and peers, on the three contact problems");
+    const auto arguments = std::make_shared<Arguments>();
+    add_study_options(*command, *arguments);
+    command->add_flag("--peers", arguments->peers, "Compare with IPOPT and PETSc, those that are there");
+    command->add_option("--scenes", arguments->scenes, "static-obstacle,dynamic-obstacle,two-plates (all)")
+        ->delimiter(',');
+    command->callback([arguments] {
+        const Json json = run_solvers({.small = arguments->size == "small",
+                                       .repeats = arguments->repeats,
+                                       .peers = arguments->peers,
+                                       .scenes = arguments->scenes});
+        std::cout << solvers_table(json) << std::flush;
+        write_study(arguments->out, "solvers", json, solvers_markdown(json));
+        std::cout << "written: solvers.json, solvers.md and solvers.svg in " << arguments->out << "\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
     int code = 0;
     add_speedup(app);
+    add_solvers(app);
     add_case(app, code);
+    add_qp(app, code);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -101,8 +151,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace tact::bench;
+    use_one_thread(argv);
     catch_interrupts();
-    use_one_thread();
     try {
         return run(argc, argv);
     } catch (const Interrupted&) {

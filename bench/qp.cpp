@@ -156,7 +156,7 @@ Vector solve(Json& row, const Problem& p, const ContactSolver& solver) {
     row["constraints"] = p.B.rows();
     Vector u = Vector::Zero(p.A.rows()), lambda = Vector::Zero(p.B.rows());
     ContactReport report;
-    const double start = thread_seconds();
+    const double start = cpu_seconds();
     try {
         // A programme has a symmetric A; a strategy for others would solve a complementarity problem instead.
         if (!p.A.is_symmetric()) throw InputError("qp: A is " + p.A.shape() + " and not symmetric");
@@ -166,7 +166,7 @@ Vector solve(Json& row, const Problem& p, const ContactSolver& solver) {
     } catch (const NumericalError& error) {
         fail(row, "unsupported", error.what());
     }
-    row["seconds"] = thread_seconds() - start;
+    row["seconds"] = cpu_seconds() - start;
     if (row.contains("message")) return {};
     row["outcome"] = to_string(report.outcome);
     row["iterations"] = report.iterations;

@@ -1,4 +1,4 @@
-// How every study measures: CPU time of this thread, medians over repeats.
+// How every study measures: CPU time of the one thread, medians over repeats.
 #pragma once
 
 #include <ctime>
@@ -6,8 +6,9 @@
 
 namespace tact::bench {
 
-/// CPU seconds of the calling thread. Other processes on the machine do not add to it.
-inline double thread_seconds() {
+/// CPU seconds of the calling thread: use_one_thread sees to it that there is no other. Other processes on the machine do
+/// not add to it. (The clock of the process is as coarse as the kernel's tick under a limit of CPU time, see isolated.)
+inline double cpu_seconds() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
@@ -18,9 +19,9 @@ double median(std::vector<double> values);
 
 /// CPU seconds of one call.
 template <class Work> double seconds_of(Work&& work) {
-    const double start = thread_seconds();
+    const double start = cpu_seconds();
     work();
-    return thread_seconds() - start;
+    return cpu_seconds() - start;
 }
 
 /// Median over `repeats` calls.

@@ -1,0 +1,17 @@
+// Work in a process of its own: what runs out of time or memory, or crashes, costs a study one row and not the run.
+#pragma once
+
+#include <functional>
+
+#include "tact/bench/machine.hpp"
+
+namespace tact::bench {
+
+/// Runs `work` in a copy of this process with so many seconds of CPU time. Returns its value, or {"error": why} where it
+/// threw, crashed or was out of time. With "peak_bytes": what its memory grew by at most. Interrupted.
+Json isolated(const std::function<Json()>& work, double cpu_seconds);
+
+/// Runs a program with these words, likewise limited. Empty where it ended with code 0, else why not. Interrupted.
+std::string run_program(const std::vector<std::string>& words, double cpu_seconds);
+
+}  // namespace tact::bench

@@ -1,0 +1,207 @@
+#include "tact/bench/petsc_peer.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "tact/bench/isolated.hpp"
+#include "tact/contact/rows.hpp"
+#include "tact/lib/io/write_file.hpp"
+
+namespace tact::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder for the exchange, gone with its owner.
+class TemporaryFolder {
+public:
+    TemporaryFolder() {
+        std::string pattern = (fs::temp_directory_path() / "tact-peer-XXXXXX").string();
+        if (!mkdtemp(pattern.data())) throw NumericalError("petsc: no temporary folder " + pattern);
+        path_ = pattern;
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
+
+/// u = T y, where y holds B_i u in place of one unknown of each row i.
+struct BoundForm {
+    BoundForm(const Matrix& A, const Matrix& B) : rows(B), B_(B.to_sparse()) {
+        const Index n = A.rows();
+        bounded.assign(static_cast<std::size_t>(n), -1);
+        std::vector<Eigen::Triplet<double, long>> entries;
+        std::vector<char> replaced(static_cast<std::size_t>(n), 0);
+        for (Index i = 0; i < rows.rows(); ++i) {
+            const auto columns = rows.columns(i);
+            const auto weights = rows.weights(i);
+            const Index j = columns.back();
+            bounded[static_cast<std::size_t>(j)] = i;
+            replaced[static_cast<std::size_t>(j)] = 1;
+            entries.emplace_back(j, j, 1 / weights.back());
+            for (std::size_t k = 0; k + 1 < columns.size(); ++k)
+                entries.emplace_back(j, columns[k], -weights[k] / weights.back());
+        }
+        for (Index j = 0; j < n; ++j)
+            if (!replaced[static_cast<std::size_t>(j)]) entries.emplace_back(j, j, 1.0);
+        T.resize(n, n);
+        T.setFromTriplets(entries.begin(), entries.end());
+        transformed = T.transpose() * A.to_sparse() * T;
+        transformed.makeCompressed();
+    }
+    Vector lower(const Vector& c) const {
+        Vector bounds = Vector::Constant(T.rows(), -infinity);
+        for (std::size_t j = 0; j < bounded.size(); ++j)
+            if (bounded[j] >= 0) bounds[static_cast<Index>(j)] = c[bounded[j]];
+        return bounds;
+    }
+    Vector from(const Vector& u) const {
+        Vector y = u;
+        for (std::size_t j = 0; j < bounded.size(); ++j)
+            if (bounded[j] >= 0) y[static_cast<Index>(j)] = rows.gather(bounded[j], u.data());
+        return y;
+    }
+    /// Rows do not overlap, so that B B' is diagonal.
+    Vector multipliers(const Vector& residual) const {
+        Vector lambda(rows.rows());
+        for (Index i = 0; i < rows.rows(); ++i) {
+            double squares = 0;
+            for (const double weight : rows.weights(i)) squares += weight * weight;
+            lambda[i] = std::max(0.0, rows.gather(i, residual.data()) / squares);
+        }
+        return lambda;
+    }
+
+    ConstraintRows rows;
+    SparseMatrix T, transformed;
+    std::vector<Index> bounded;  ///< the row that bounds an unknown, or -1
+
+private:
+    SparseMatrix B_;
+};
+
+template <class T> void put(std::ostream& out, const T* values, Index count) {
+    out.write(reinterpret_cast<const char*>(values),
+              static_cast<std::streamsize>(sizeof(T) * static_cast<std::size_t>(count)));
+}
+
+void write_problem(const fs::path& path, const SolverProblem& problem, const BoundForm& form, int repeats) {
+    write_file(path, [&](std::ostream& out) {
+        const SparseMatrix& A = form.transformed;  // symmetric: its columns are its rows
+        const std::vector<std::int64_t> head{A.rows(), A.nonZeros(), problem.cold, repeats,
+                                             static_cast<std::int64_t>(problem.samples.size())};
+        put(out, head.data(), static_cast<Index>(head.size()));
+        const std::vector<std::int32_t> start(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1);
+        const std::vector<std::int32_t> column(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
+        put(out, start.data(), static_cast<Index>(start.size()));
+        put(out, column.data(), static_cast<Index>(column.size()));
+        put(out, A.valuePtr(), A.nonZeros());
+        for (const SampledSolve& sample : problem.samples)
+            for (const Vector& values :
+                 {Vector(form.T.transpose() * sample.b), form.lower(sample.c), form.from(sample.u)})
+                put(out, values.data(), values.size());
+    });
+}
+
+/// Reads the answers and certifies them by our own residuals.
+void read_answers(const fs::path& path, Json& row, const SolverProblem& problem, const BoundForm& form, int repeats) {
+    std::ifstream in(path, std::ios::binary);
+    std::vector<std::vector<double>> seconds(static_cast<std::size_t>(repeats));
+    double iterations = 0, weight = 0, kkt = 0, error = 0;
+    bool converged = true;
+    const SampledSolve& first = problem.samples.front();
+    const KktCertificate certificate(first.A, first.B);
+    for (std::size_t k = 0; k < problem.samples.size(); ++k) {
+        const SampledSolve& sample = problem.samples[k];
+        std::int64_t head[2];
+        Vector times(repeats), y(sample.u.size());
+        in.read(reinterpret_cast<char*>(head), sizeof head);
+        for (Vector* values : {&times, &y})
+            in.read(reinterpret_cast<char*>(values->data()),
+                    static_cast<std::streamsize>(sizeof(double) * static_cast<std::size_t>(values->size())));
+        if (!in) throw NumericalError("petsc: the answer is not whole");
+        for (int r = 0; r < repeats; ++r) seconds[static_cast<std::size_t>(r)].push_back(times[r]);
+        const Vector u = form.T * y;
+        const Vector lambda = form.multipliers(sample.A * u - sample.b);
+        kkt = std::max(kkt, certificate(sample.b, sample.c, u, lambda).largest());
+        error = std::max(error, solution_error(u, sample));
+        converged = converged && head[0] > 0;
+        iterations += problem.weights[k] * static_cast<double>(head[1]);
+        weight += problem.weights[k];
+    }
+    put_seconds(row, problem, seconds);
+    row["iterations"] = weight > 0 ? iterations / weight : 0.0;
+    row["kkt_residual"] = kkt;
+    row["solution_error"] = error;
+    row["outcome"] = converged ? "converged" : "not converged";
+}
+
+}  // namespace
+
+const std::vector<PetscMethod>& petsc_methods() {
+    static const std::vector<PetscMethod> methods{
+        {"snes-rsls cg+icc", "snes", "-snes_linesearch_type basic -ksp_type cg -ksp_rtol 1e-6 -pc_type icc"},
+        {"snes-rsls cg+gamg", "snes", "-snes_linesearch_type basic -ksp_type cg -ksp_rtol 1e-6 -pc_type gamg"},
+        {"snes-rsls cholesky", "snes",
+         "-snes_linesearch_type basic -ksp_type preonly -pc_type cholesky -pc_factor_mat_solver_type cholmod"},
+        {"tao-gpcg", "tao", "-tao_type gpcg"},
+        {"tao-tron", "tao", "-tao_type tron"},
+    };
+    return methods;
+}
+
+std::optional<std::string> petsc_program() {
+    std::error_code error;
+    const fs::path self = fs::read_symlink("/proc/self/exe", error);
+    for (const fs::path& folder : {self.parent_path(), self.parent_path().parent_path() / "bench"})
+        if (const fs::path program = folder / "tact-peer-petsc"; fs::exists(program, error)) return program.string();
+    return std::nullopt;
+}
+
+std::string petsc_version(const std::string& program) {
+    std::FILE* pipe = popen(("'" + program + "' --version").c_str(), "r");
+    if (!pipe) return {};
+    char text[64] = {};
+    const std::size_t count = std::fread(text, 1, sizeof text - 1, pipe);
+    pclose(pipe);
+    std::string version(text, count);
+    while (!version.empty() && version.back() == '\n') version.pop_back();
+    return version;
+}
+
+Json time_petsc(const SolverProblem& problem, const PetscMethod& method, const std::string& program,
+                const TimingOptions& options) {
+    const SampledSolve& first = problem.samples.front();
+    if (!ConstraintRows(first.B).disjoint()) return nullptr;
+    Json row = empty_row(problem, "petsc " + method.name, true);
+    row["strategy"] = method.options;
+    const BoundForm form(first.A, first.B);
+    const TemporaryFolder folder;
+    const fs::path question = folder.path() / "problem", answer = folder.path() / "answer";
+    const int repeats = std::min(options.repeats, 3);  // they cost seconds
+    write_problem(question, problem, form, repeats);
+    const std::string why =
+        run_program({program, question.string(), answer.string(), method.family, method.options}, options.limit);
+    if (!why.empty()) {
+        row["message"] = why;
+        return row;
+    }
+    read_answers(answer, row, problem, form, repeats);
+    row["how"] = problem.march ? "from " + std::to_string(problem.samples.size()) + " sampled steps" : problem.what;
+    return row;
+}
+
+}  // namespace tact::bench
