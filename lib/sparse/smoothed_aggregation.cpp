@@ -136,7 +136,6 @@ void SmoothedAggregation::store_coarsest(const CompressedRows& A) {
                 static_cast<float>(A.value_at(k) * level.scale[at(i)] * level.scale[at(A.column_at(k))]);
     work_ = coarsest_;
     dense_.setZero(level.size);
-    factor_ = Eigen::LLT<Eigen::MatrixXf>(level.size);
 }
 
 void SmoothedAggregation::residual(const double* b, const double* x, double* r) const {
