@@ -127,7 +127,7 @@ public:
 
 private:
     static constexpr double accuracy = 2e-13;
-    static constexpr double acceptable = 1e-10;
+    static constexpr double acceptable = 1e-12;
     static constexpr double inexactness = 0.1;
     /// Of one correction in single precision, whose rounding is amplified by the condition number.
     static constexpr double float_accuracy = 1e-3;
@@ -327,9 +327,9 @@ private:
 
     /// residual_ := r_ on the free unknowns over its largest entry, which is returned.
     double mask_residual() {
-        force_.resize(static_cast<Index>(active_.size()));
+        force_.resize(active_.size());
         for (std::size_t k = 0; k < active_.size(); ++k) {
-            force_[static_cast<Index>(k)] = -r_[active_[k]];
+            force_[k] = -r_[active_[k]];
             r_[active_[k]] = 0;
         }
         const double largest = r_.lpNorm<Eigen::Infinity>();
@@ -352,7 +352,7 @@ private:
 
     ContactReport finish(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point, ContactReport report) {
         for (Index i = 0; i < u_.size(); ++i) u_[i] = x_[place_[at(i)]] * scale_[i];
-        for (std::size_t k = 0; k < active_.size(); ++k) r_[active_[k]] = force_[static_cast<Index>(k)];
+        for (std::size_t k = 0; k < active_.size(); ++k) r_[active_[k]] = force_[k];
         lambda_.setZero();
         for (std::size_t i = 0; i < bounds_.unknown.size(); ++i) {
             const Index unknown = bounds_.unknown[i];
@@ -393,7 +393,8 @@ private:
     std::vector<signed char> side_;  // of the active: -1 on the lower bound, 1 on the upper
     std::vector<std::uint64_t> settled_;
     std::vector<CoarseObstacle> coarse_;
-    Vector x_, guess_, b_, r_, lower_, upper_, u_, lambda_, force_;
+    Vector x_, guess_, b_, r_, lower_, upper_, u_, lambda_;
+    std::vector<double> force_;  // that holds each active unknown
     Krylov krylov_;
     Floats lower_gap_, upper_gap_;
 };
