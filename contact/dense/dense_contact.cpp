@@ -62,6 +62,10 @@ public:
                 const auto dual = dual_.solve(S_, g_, allowance_, multiplier_, w_);
                 report.iterations = dual.iterations;
                 report.outcome = dual.outcome;
+                if (dual.outcome == Outcome::infeasible) {
+                    report.infeasibility = dual_.infeasibility().cwiseProduct(scale_);
+                    report.infeasibility /= report.infeasibility.maxCoeff();
+                }
                 if (dual.outcome != Outcome::converged) return report;
                 for (const Index i : dual_.factor().rows()) {
                     if (multiplier_[i] == 0) continue;

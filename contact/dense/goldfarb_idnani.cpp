@@ -35,6 +35,21 @@ void GoldfarbIdnani::start_from(const DenseMatrix& S, const ConstVectorRef& g, c
     }
 }
 
+/// y = e_q - r on the rows in the factor: S y = 0. Whether g'y > 0 beyond rounding, so that no u satisfies the rows.
+bool GoldfarbIdnani::excludes(const ConstVectorRef& g, Index q) {
+    certificate_ = Vector::Zero(g.size());
+    certificate_[q] = 1;
+    for (Index i = 0; i < factor_.size(); ++i)
+        certificate_[factor_.rows()[static_cast<std::size_t>(i)]] = std::max(-r_[i], 0.0);
+    double value = 0, size = 0;
+    for (Index i = 0; i < g.size(); ++i)
+        if (certificate_[i] > 0) {
+            value += certificate_[i] * g[i];
+            size += certificate_[i] * std::abs(g[i]);
+        }
+    return value > 1e-9 * size;
+}
+
 void GoldfarbIdnani::gaps(const DenseMatrix& S, const ConstVectorRef& g, VectorRef w) const {
     w = -g;
     for (Index i = 0; i < factor_.size(); ++i)
@@ -47,6 +62,7 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
     if (multiplier_.size() < m + 1)
         for (Vector* v : {&multiplier_, &l_, &r_}) v->resize(m + 1);
     Report report;
+    forgiven_.clear();
     start_from(S, g, lambda);
     gaps(S, g, w);
     // Each step raises the dual objective; what needs more is so ill conditioned that S has lost its meaning.
@@ -65,7 +81,8 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
             if (!(w[i] < -allowance[i])) continue;
             const double unit = std::sqrt(S(i, i));
             const double violation = unit > 0 ? w[i] / unit : -infinity;
-            if (violation < worst && violation < -noise) {
+            if (violation < worst && violation < -noise &&
+                std::find(forgiven_.begin(), forgiven_.end(), i) == forgiven_.end()) {
                 const auto& rows = factor_.rows();
                 if (std::find(rows.begin(), rows.end(), i) != rows.end()) continue;  // rounding on an active row
                 worst = violation;
@@ -100,11 +117,17 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
             }
             const double step = std::min(full_step, partial_step);
             if (step == infinity) {
-                certificate_ = Vector::Zero(m);
-                for (Index i = 0; i < k; ++i) certificate_[factor_.rows()[static_cast<std::size_t>(i)]] = -r_[i];
-                certificate_[q] = 1;
-                report.outcome = Outcome::infeasible;
-                return report;
+                if (excludes(g, q)) {
+                    report.outcome = Outcome::infeasible;
+                    return report;
+                }
+                // Dependent, and violated by rounding only: the others hold it. Back to a valid pair without it.
+                forgiven_.push_back(q);
+                lambda.setZero();
+                for (Index i = 0; i < k; ++i)
+                    if (multiplier_[i] > 0) lambda[factor_.rows()[static_cast<std::size_t>(i)]] = multiplier_[i];
+                start_from(S, g, lambda);
+                break;
             }
             multiplier_.head(k) -= step * r_.head(k);
             multiplier_q += step;

@@ -33,8 +33,10 @@ public:
 
 private:
     void start_from(const DenseMatrix& S, const ConstVectorRef& g, const ConstVectorRef& lambda);
+    bool excludes(const ConstVectorRef& g, Index q);
     void gaps(const DenseMatrix& S, const ConstVectorRef& g, VectorRef w) const;
     SchurFactor factor_;
+    std::vector<Index> forgiven_;  // dependent rows that rounding alone violates, in this solve
     Vector multiplier_, l_, r_, certificate_;
 };
 
