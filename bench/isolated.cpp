@@ -1,5 +1,6 @@
 #include "tact/bench/isolated.hpp"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -130,6 +131,11 @@ std::string run_program(const std::vector<std::string>& words, double cpu_second
     const pid_t child = copy_process();
     if (child == 0) {
         limit_cpu(cpu_seconds);
+        // What it says of an error would stand in the middle of a progress bar; its code is in the row.
+        if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
+            dup2(nowhere, STDOUT_FILENO);
+            dup2(nowhere, STDERR_FILENO);
+        }
         execv(arguments[0], arguments.data());
         _exit(127);
     }

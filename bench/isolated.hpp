@@ -11,7 +11,7 @@ namespace tact::bench {
 /// threw, crashed or was out of time. With "peak_bytes": what its memory grew by at most. Interrupted.
 Json isolated(const std::function<Json()>& work, double cpu_seconds);
 
-/// Runs a program with these words, likewise limited. Empty where it ended with code 0, else why not. Interrupted.
+/// Runs a program with these words, silent and likewise limited. Empty where it ended with code 0, else why not. Interrupted.
 std::string run_program(const std::vector<std::string>& words, double cpu_seconds);
 
 }  // namespace tact::bench

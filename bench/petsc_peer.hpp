@@ -11,6 +11,7 @@ namespace tact::bench {
 
 struct PetscMethod {
     std::string name, family, options;  ///< family: snes or tao
+    double accuracy = 1e-12;            ///< of the residual, relative to |b|
 };
 /// Semismooth Newton on the reduced space (SNES VINEWTONRSLS) and TAO's GPCG and TRON, each with the preconditioners that
 /// serve it best on one of the problems.

@@ -76,9 +76,10 @@ void time_samples(Json& row, const SolverProblem& problem, const ContactSolver& 
     row["strategy"] = strategy;
     put_seconds(row, problem, seconds);
     row["iterations"] = weight > 0 ? iterations / weight : 0.0;
+    row["how"] = problem.march ? "from " + std::to_string(problem.samples.size()) + " sampled steps" : problem.what;
+    if (outcome != Outcome::converged) return;  // the point is untouched: nothing to judge
     row["kkt_residual"] = kkt;
     row["solution_error"] = error;
-    row["how"] = problem.march ? "from " + std::to_string(problem.samples.size()) + " sampled steps" : problem.what;
 }
 
 void time_march(Json& row, const SolverProblem& problem, std::shared_ptr<const ContactSolver> solver,

@@ -105,7 +105,9 @@ std::string solvers_markdown(const Json& json) {
         "a random numbering of the unknowns and of the rows.\n"
         "- *KKT residual* is the scaled one of `lib/kkt.hpp`, for peers too, with multipliers read off Au - b; "
         "*error* "
-        "is in max norm, relative to the reference.\n\n## Every solver\n\n" +
+        "is in max norm, relative to the reference. An interior point leaves small multipliers on every row, which "
+        "its "
+        "largest multiplier does not dwarf where nothing is in contact.\n\n## Every solver\n\n" +
         all_rows(json) + "\n## Growth\n\n";
     for (const Json& growth : json["growth"])
         text += growth["scene"].get<std::string>() +

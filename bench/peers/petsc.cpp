@@ -1,4 +1,4 @@
-// tact-peer-petsc PROBLEM ANSWER snes|tao OPTIONS: bound-constrained quadratic programmes by PETSc, timed here. A program
+// tact-peer-petsc PROBLEM ANSWER snes|tao ACCURACY OPTIONS: bound-constrained quadratic programmes by PETSc, timed here. A program
 // of its own because PETSc brings MPI. The files are those of bench/petsc_peer.cpp, which starts it; no tact library.
 #include <petscksp.h>
 #include <petscsnes.h>
@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <limits>
@@ -103,7 +104,7 @@ PetscErrorCode objective(Tao, Vec x, PetscReal* f, Vec g, void* context) {
 }
 PetscErrorCode hessian(Tao, Vec, Mat, Mat, void*) { return 0; }
 
-constexpr int most_iterations = 2000;
+constexpr int most_iterations = 300;
 
 /// One of the two families, made afresh or kept from solve to solve.
 class Solver {
@@ -128,13 +129,13 @@ public:
         }
         PetscFunctionReturn(0);
     }
-    /// `accuracy`: of the residual norm.
+    /// `accuracy`: of the norm of the residual or of the projected gradient.
     PetscErrorCode solve(Programme& p, double accuracy, Answer& answer) {
         PetscInt iterations = 0;
         PetscFunctionBeginUser;
         if (snes_) {
             SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-            PetscCall(SNESSetTolerances(snes_, accuracy, 0, 0, most_iterations, 100 * most_iterations));
+            PetscCall(SNESSetTolerances(snes_, accuracy, 0, 0, most_iterations, 1000 * most_iterations));
             PetscCall(SNESSolve(snes_, nullptr, p.x));
             PetscCall(SNESGetConvergedReason(snes_, &reason));
             PetscCall(SNESGetIterationNumber(snes_, &iterations));
@@ -174,7 +175,7 @@ PetscErrorCode fill(Vec to, const std::vector<double>& from) {
 }
 
 /// All samples in turn, as often as asked. Making the solver counts where every solve is cold; copying data in never does.
-PetscErrorCode run(Problem& problem, bool use_snes, std::vector<Answer>& answers) {
+PetscErrorCode run(Problem& problem, bool use_snes, double accuracy, std::vector<Answer>& answers) {
     Programme p;
     const auto n = static_cast<PetscInt>(problem.n);
     PetscFunctionBeginUser;
@@ -197,7 +198,7 @@ PetscErrorCode run(Problem& problem, bool use_snes, std::vector<Answer>& answers
             PetscCall(VecNorm(p.b, NORM_2, &size));
             const double start = cpu_seconds();
             if (problem.cold) PetscCall(solver.create(use_snes, p));
-            PetscCall(solver.solve(p, 1e-12 * size, answer));
+            PetscCall(solver.solve(p, accuracy * size, answer));
             answer.seconds.push_back(cpu_seconds() - start);
             if (problem.cold) PetscCall(solver.destroy());
             const PetscScalar* values = nullptr;
@@ -219,8 +220,8 @@ int main(int argc, char** argv) {
         std::printf("%d.%d.%d\n", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR);
         return 0;
     }
-    if (argc != 5) {
-        std::fprintf(stderr, "usage: tact-peer-petsc PROBLEM ANSWER snes|tao OPTIONS\n");
+    if (argc != 6) {
+        std::fprintf(stderr, "usage: tact-peer-petsc PROBLEM ANSWER snes|tao ACCURACY OPTIONS\n");
         return 2;
     }
     Problem problem;
@@ -230,9 +231,9 @@ int main(int argc, char** argv) {
     }
     int none = 0;
     PetscCall(PetscInitialize(&none, nullptr, nullptr, nullptr));
-    PetscCall(PetscOptionsInsertString(nullptr, argv[4]));
+    PetscCall(PetscOptionsInsertString(nullptr, argv[5]));
     std::vector<Answer> answers;
-    PetscCall(run(problem, std::string(argv[3]) == "snes", answers));
+    PetscCall(run(problem, std::string(argv[3]) == "snes", std::atof(argv[4]), answers));
     PetscCall(PetscFinalize());
     if (write_answers(argv[2], answers)) return 0;
     std::fprintf(stderr, "tact-peer-petsc: %s cannot be written\n", argv[2]);

@@ -72,8 +72,11 @@ def growth_panels(time_axes, memory_axes, data):
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.grid(which="major", alpha=0.3)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(frameon=False, fontsize=8.5)
+        handles = axes.get_legend_handles_labels()[0]
+        if handles:
+            low, high = axes.get_ylim()
+            axes.set_ylim(low, high * 3 ** len(handles))  # room for the legend above the curves
+            axes.legend(loc="upper left", frameon=False, fontsize=8.5)
 
 
 def main(data_file, figure_file):

@@ -12,6 +12,7 @@
 #include "tact/bench/isolated.hpp"
 #include "tact/bench/petsc_peer.hpp"
 #include "tact/bench/solver_timing.hpp"
+#include "tact/bench/timing.hpp"
 
 namespace tact::bench {
 namespace {
@@ -35,7 +36,8 @@ TEST(Isolated, SaysWhyThereIsNoValue) {
     EXPECT_NE(crashed["error"].get<std::string>().find("signal"), std::string::npos) << crashed;
     const Json endless = isolated(
         []() -> Json {
-            for (volatile int k = 0;; k = k + 1) {}
+            for (double sum = 1;; sum += cpu_seconds())
+                if (sum < 0) return sum;
         },
         1);
     EXPECT_NE(endless["error"].get<std::string>().find("out of time"), std::string::npos) << endless;
@@ -64,7 +66,7 @@ TEST(SolverProblems, TheOtherNumberingHasTheSameSolution) {
             EXPECT_NEAR(a.b.dot(a.solution), b.b.dot(b.solution), 1e-12 * std::abs(a.b.dot(a.solution)));
             EXPECT_NEAR((a.A * a.solution).norm(), (b.A * b.solution).norm(), 1e-9 * (a.A * a.solution).norm());
             EXPECT_NEAR((a.B * a.solution - a.c).norm(), (b.B * b.solution - b.c).norm(), 1e-12);
-            EXPECT_GT((a.b - b.b).norm(), 0) << "it is another numbering";
+            EXPECT_GT((a.A.to_sparse() - b.A.to_sparse()).norm(), 0) << "it is another numbering";
             EXPECT_TRUE(b.A.same_storage(other.samples[0].A));
         }
     }
@@ -121,7 +123,9 @@ TEST(Solvers, PetscAgreesWhereItIsThere) {
         for (const PetscMethod& method : petsc_methods()) {
             const Json row = time_petsc(problem, method, *program, {.repeats = 2});
             EXPECT_FALSE(row.contains("message")) << row;
-            if (row["outcome"] == "converged") EXPECT_LT(row["solution_error"], 1e-4) << row;
+            if (row["outcome"] != "converged") continue;
+            EXPECT_LT(row["solution_error"], 1e-4) << row;
+            EXPECT_LT(row["kkt_residual"], 1e-3) << row;
         }
 }
 
