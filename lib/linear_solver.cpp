@@ -27,6 +27,7 @@ public:
     Index size() const override { return llt_.rows(); }
     void solve(Eigen::Ref<DenseMatrix> B) const override {
         // Column by column Eigen needs no work space; one is the case in every step.
+        if (B.cols() == 0) return;
         if (B.cols() > 1) return llt_.solveInPlace(B);
         VectorRef b = B.col(0);
         llt_.solveInPlace(b);
