@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <new>
 #include <string>
 
 #include "tact/bench/interrupt.hpp"
@@ -24,6 +25,15 @@ extern "C" {
 
 namespace tact::bench {
 namespace {
+
+void limit_memory() {
+    // More than the machine has would bring it to its knees, and others with it; allocations fail instead.
+    const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    constexpr double share = 0.7;
+    const auto limit = static_cast<rlim_t>(share * bytes);
+    const rlimit value{limit, limit};
+    setrlimit(RLIMIT_AS, &value);
+}
 
 void limit_cpu(double seconds) {
     // The clock goes on from zero in a child. The hard limit kills what the soft one does not.
@@ -49,6 +59,8 @@ double memory(const std::string& field) {
         Json json = work();
         json["peak_bytes"] = std::max(0.0, memory("VmHWM") - before);
         text = json.dump();
+    } catch (const std::bad_alloc&) {
+        text = Json{{"error", "out of memory"}}.dump();
     } catch (const std::exception& error) {
         text = Json{{"error", error.what()}}.dump();
     }
@@ -101,6 +113,7 @@ Json isolated(const std::function<Json()>& work, double cpu_seconds) {
     if (child == 0) {
         close(ends[0]);
         limit_cpu(cpu_seconds);
+        limit_memory();
         answer(work, ends[1]);
     }
     close(ends[1]);
@@ -131,6 +144,7 @@ std::string run_program(const std::vector<std::string>& words, double cpu_second
     const pid_t child = copy_process();
     if (child == 0) {
         limit_cpu(cpu_seconds);
+        limit_memory();
         // What it says of an error would stand in the middle of a progress bar; its code is in the row.
         if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
             dup2(nowhere, STDOUT_FILENO);

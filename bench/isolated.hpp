@@ -7,8 +7,9 @@
 
 namespace tact::bench {
 
-/// Runs `work` in a copy of this process with so many seconds of CPU time. Returns its value, or {"error": why} where it
-/// threw, crashed or was out of time. With "peak_bytes": what its memory grew by at most. Interrupted.
+/// Runs `work` in a copy of this process with so many seconds of CPU time and most of the machine's memory. Returns its
+/// value, or {"error": why} where it threw, crashed or was out of time or memory. With "peak_bytes": what its memory grew
+/// by at most. Interrupted.
 Json isolated(const std::function<Json()>& work, double cpu_seconds);
 
 /// Runs a program with these words, silent and likewise limited. Empty where it ended with code 0, else why not. Interrupted.
