@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/methods.hpp"
@@ -23,7 +24,24 @@ Json kkt_json(const KktResiduals& kkt) {
             {"largest", kkt.largest()}};
 }
 
+Json points_on_line_json(const CaseOptions& options, const Mesh& mesh, const Vector& u) {
+    Json points = Json::array();
+    for (const auto& [x, y] : options.points) {
+        if (!std::isnan(y))
+            throw InputError("case: point is (" + std::to_string(x) + ", " + std::to_string(y) +
+                             "), expected one coordinate: the scene lies on the line");
+        const std::size_t found = points.size();
+        for (std::size_t body = 0; body < mesh.bodies.size(); ++body)
+            if (x >= mesh.bodies[body].left && x <= mesh.bodies[body].right)
+                points.push_back({{"x", x}, {"body", body}, {"u", value_on_line(mesh, u, x, body)}});
+        if (points.size() == found)
+            throw InputError("case: point is " + std::to_string(x) + ", expected one of a body of the scene");
+    }
+    return points;
+}
+
 Json points_json(const CaseOptions& options, const Mesh& mesh, const Vector& u) {
+    if (!mesh.square()) return points_on_line_json(options, mesh, u);
     Json points = Json::array();
     for (const auto& [x, y] : options.points) {
         Json point = {{"x", x}, {"y", y}};
@@ -36,6 +54,12 @@ Json points_json(const CaseOptions& options, const Mesh& mesh, const Vector& u) 
         points.push_back(std::move(point));
     }
     return points;
+}
+
+Json error_json(const ExactState& exact, const State& state) {
+    return {{"u", (exact.u - state.u()).cwiseAbs().maxCoeff()},
+            {"v", std::sqrt((exact.v - state.v()).squaredNorm() / static_cast<double>(state.n))},
+            {"contact_force", exact.lambda.sum() - state.lambda.sum()}};
 }
 
 Json state_json(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem,
@@ -56,6 +80,7 @@ Json state_json(const CaseOptions& options, const StudyScene& scene, const Conta
     json["max_u"] = u.maxCoeff();
     json["contact_force"] = state.lambda.sum();
     json["points"] = points_json(options, scene.mesh, u);
+    if (scene.exact) json["error"] = error_json(scene.exact(state.t), state);
     return json;
 }
 
@@ -136,7 +161,7 @@ void check(const CaseOptions& options, const StudyScene& scene) {
     if (options.gamma.size() != parameters)
         throw InputError("case: gamma has " + std::to_string(options.gamma.size()) + " numbers, expected " +
                          std::to_string(parameters) + " for " + scene.name);
-    if (options.n < 0) throw InputError("case: n is " + std::to_string(options.n) + ", expected at least 3");
+    if (options.n < 0) throw InputError("case: n is " + std::to_string(options.n) + ", expected zero or more");
     if (scene.is_static() && (options.dt || options.t_end || !options.at.empty()))
         throw InputError("case: dt, t_end and at are given, expected none of them for " + scene.name);
 }
@@ -145,9 +170,9 @@ void check(const CaseOptions& options, const StudyScene& scene) {
 
 Json run_case(const CaseOptions& given) {
     CaseOptions options = given;
-    if (options.points.empty()) options.points = {{0.5, 0.5}};
     if (!options.contact) options.contact = std::make_shared<AutomaticContact>();
     const StudyScene scene = study_scene(options.scene, options.n);
+    if (options.points.empty() && scene.mesh.square()) options.points = {{0.5, 0.5}};
     check(options, scene);
     const ContactProblem problem =
         scene.family->at(Eigen::Map<const Vector>(options.gamma.data(), static_cast<Index>(options.gamma.size())));
@@ -155,7 +180,7 @@ Json run_case(const CaseOptions& given) {
 
     Json json;
     json["scene"] = scene.name;
-    json["n"] = scene.mesh.n;
+    json["n"] = scene.n;
     json["unknowns"] = problem.size();
     json["contact_constraints"] = problem.constraints();
     json["gamma"] = options.gamma;
@@ -177,12 +202,13 @@ std::vector<std::array<double, 2>> parse_points(const std::string& text) {
     const char* next = text.data();
     const char* const end = next + text.size();
     while (next != end) {
-        std::array<double, 2> point{};
-        for (std::size_t k = 0; k < 2; ++k) {
-            const auto [after, error] = std::from_chars(next, end, point[k]);
+        std::array<double, 2> point{0, std::numeric_limits<double>::quiet_NaN()};
+        for (double& coordinate : point) {
+            const auto [after, error] = std::from_chars(next, end, coordinate);
             if (error != std::errc()) return reject();
             next = after;
-            if (k == 0 && (next == end || *next++ != ',')) return reject();
+            if (&coordinate == &point[1] || next == end || *next != ',') break;
+            ++next;
         }
         points.push_back(point);
         if (next != end && *next++ != ';') return reject();

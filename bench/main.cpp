@@ -8,6 +8,7 @@
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/qp.hpp"
 #include "tact/bench/report.hpp"
+#include "tact/bench/scenes.hpp"
 #include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
 #include "tact/lib/errors.hpp"
@@ -27,14 +28,17 @@ void add_case(CLI::App& app, int& code) {
     CaseOptions& options = arguments->options;
     CLI::App* command =
         app.add_subcommand("case", "One full run: values at points and times, energies, KKT residuals");
-    command->add_option("scene", options.scene, "static-obstacle, dynamic-obstacle or two-plates")->required();
-    command->add_option("--n", options.n, "Interior nodes a side (the paper's: 200, plates 100)");
+    std::string scenes;
+    for (const std::string& name : study_scene_names()) scenes += (scenes.empty() ? "" : ", ") + name;
+    command->add_option("scene", options.scene, scenes)->required();
+    command->add_option("--n", options.n, "Nodes a side or elements (the paper's 200, plates 100; else as usual)");
     command->add_option("--gamma", options.gamma, "Parameters of the obstacle: G1,G2")->delimiter(',');
-    command->add_option("--dt", options.dt, "Time step (the paper's: .005, plates 2e-4)");
-    command->add_option("--t-end", options.t_end, "End time (the paper's: 2, plates .4)");
+    command->add_option("--dt", options.dt, "Time step (the paper's: .005, plates 2e-4; else the usual)");
+    command->add_option("--t-end", options.t_end, "End time (the paper's: 2, plates .4; else the usual)");
     command->add_option("--integrator", options.integrator, "bdf2")->capture_default_str();
     command->add_option("--at", options.at, "Times to report: T1,T2,... (the end)")->delimiter(',');
-    command->add_option("--points", arguments->points, "Points to report: X1,Y1;X2,Y2;... (the centre)");
+    command->add_option("--points", arguments->points,
+                        "Points to report: X1,Y1;X2,Y2;... (the centre); on the line X1;X2;...");
     command->add_option("--out", arguments->out, "json file (standard output)");
     command->callback([arguments, &code] {
         arguments->options.points = parse_points(arguments->points);

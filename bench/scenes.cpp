@@ -1,36 +1,113 @@
 #include "tact/bench/scenes.hpp"
 
+#include <utility>
+
 #include "tact/lib/errors.hpp"
+#include "tact/lib/scenes/bar.hpp"
 #include "tact/lib/scenes/membrane.hpp"
 #include "tact/lib/scenes/plates.hpp"
 
 namespace tact::bench {
+namespace {
+
+StudyScene single(Scene scene, double dt, double t_end) {
+    return {.family = std::make_shared<SingleProblem>(std::move(scene.problem)),
+            .mesh = std::move(scene.mesh),
+            .dt = dt,
+            .t_end = t_end};
+}
+
+StudyScene obstacle(Index n, Motion motion) {
+    const auto family = std::make_shared<MembraneFamily>(n, motion);
+    const bool moves = motion == Motion::dynamic;
+    return {.family = family, .mesh = family->mesh(), .dt = moves ? 0.005 : 0, .t_end = moves ? 2.0 : 0.0};
+}
+
+/// `at(x, body)` is the BarState at a node, `force` the contact force of the only row.
+template <class At> ExactState at_nodes(const Mesh& mesh, double force, At at) {
+    ExactState exact{Vector(mesh.unknowns()), Vector(mesh.unknowns()), Vector::Constant(1, force)};
+    for (std::size_t body = 0; body < mesh.bodies.size(); ++body)
+        for (Index i = 0; i < mesh.bodies[body].line.size(); ++i) {
+            const BarState state = at(mesh.bodies[body].line[i], body);
+            exact.u[mesh.bodies[body].first + i] = state.u;
+            exact.v[mesh.bodies[body].first + i] = state.v;
+        }
+    return exact;
+}
+
+StudyScene impact(Index n, const BarImpactData& data, Mass mass) {
+    StudyScene scene = single(bar_impact(n, data, mass), 1e-3, 1.5);
+    if (data.gravity == 0)
+        scene.exact = [mesh = scene.mesh, data](double t) {
+            return at_nodes(mesh, bar_impact_force(data, t),
+                            [&](double x, std::size_t) { return bar_impact_exact(data, x, t); });
+        };
+    return scene;
+}
+
+StudyScene bouncing(Index n) {
+    StudyScene scene = single(bouncing_bar(n), 1e-3, 6);
+    scene.exact = [mesh = scene.mesh](double t) {
+        return at_nodes(mesh, bouncing_bar_force(t), [t](double x, std::size_t) { return bouncing_bar_exact(x, t); });
+    };
+    return scene;
+}
+
+StudyScene collision(TwoBarsData data, Index n) {
+    data.left.elements = data.right.elements = n;
+    return single(two_bars(data), 1e-3, 2);
+}
+
+StudyScene equal_bars(Index n) {
+    StudyScene scene = collision({}, n);
+    scene.exact = [mesh = scene.mesh](double t) {
+        return at_nodes(mesh, two_bars_force({}, t),
+                        [t](double x, std::size_t body) { return two_bars_exact({}, x, t, body); });
+    };
+    return scene;
+}
+
+struct Entry {
+    std::string name;
+    Index n;  ///< the usual one
+    std::function<StudyScene(Index n)> make;
+};
+
+const std::vector<Entry>& entries() {
+    static const std::vector<Entry> all{
+        {"static-obstacle", 200, [](Index n) { return obstacle(n, Motion::none); }},
+        {"dynamic-obstacle", 200, [](Index n) { return obstacle(n, Motion::dynamic); }},
+        {"two-plates", 100, [](Index n) { return single(two_plates(n), 2e-4, 0.4); }},
+        {"bar-impact", 100, [](Index n) { return impact(n, {}, Mass::lumped); }},
+        {"bar-impact-consistent", 100, [](Index n) { return impact(n, {}, Mass::consistent); }},
+        {"falling-bar", 100, [](Index n) { return impact(n, {.velocity = 0, .gravity = 10}, Mass::lumped); }},
+        {"bouncing-bar", 100, bouncing},
+        {"two-bars", 100, equal_bars},
+        {"light-bar-on-heavy-bar", 100, [](Index n) { return collision({.right = {.density = 1e6}}, n); }},
+        {"soft-bar-on-stiff-bar", 100, [](Index n) { return collision({.right = {.modulus = 900e9}}, n); }},
+    };
+    return all;
+}
+
+}  // namespace
 
 StudyScene study_scene(std::string_view name, Index n) {
-    StudyScene scene;
-    scene.name = name;
-    if (name == "static-obstacle" || name == "dynamic-obstacle") {
-        const bool moves = name == "dynamic-obstacle";
-        const auto family =
-            std::make_shared<MembraneFamily>(n == 0 ? 200 : n, moves ? Motion::dynamic : Motion::none);
-        scene.family = family;
-        scene.mesh = family->mesh();
-        if (moves) {
-            scene.dt = 0.005;
-            scene.t_end = 2;
-        }
+    for (const Entry& entry : entries()) {
+        if (entry.name != name) continue;
+        StudyScene scene = entry.make(n == 0 ? entry.n : n);
+        scene.name = name;
+        scene.n = n == 0 ? entry.n : n;
         return scene;
     }
-    if (name == "two-plates") {
-        Scene plates = two_plates(n == 0 ? 100 : n);
-        scene.family = std::make_shared<SingleProblem>(std::move(plates.problem));
-        scene.mesh = std::move(plates.mesh);
-        scene.dt = 2e-4;
-        scene.t_end = 0.4;
-        return scene;
-    }
-    throw InputError("study_scene: name is " + scene.name +
-                     ", expected static-obstacle, dynamic-obstacle or two-plates");
+    std::string names;
+    for (const std::string& each : study_scene_names()) names += (names.empty() ? "" : ", ") + each;
+    throw InputError("study_scene: name is " + std::string(name) + ", expected one of " + names);
+}
+
+std::vector<std::string> study_scene_names() {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries()) names.push_back(entry.name);
+    return names;
 }
 
 }  // namespace tact::bench

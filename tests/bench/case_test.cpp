@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "tact/bench/scenes.hpp"
 #include "tact/contact/automatic.hpp"
 #include "tact/lib/errors.hpp"
 
@@ -43,6 +46,32 @@ TEST(Case, TwoPlatesReportsBothFromTheirOwnRest) {
     EXPECT_EQ(first["upper"], 0);
     EXPECT_GT(json["first_contact_step"], 10);
     EXPECT_GT(json["states"][1]["max_u"], 0);
+}
+
+TEST(Case, BarsOnTheLineAreComparedWithTheirExactMotion) {
+    const Json json =
+        run_case({.scene = "two-bars", .n = 50, .at = {0.2, 2}, .points = {{-10, std::nan("")}, {0, std::nan("")}}});
+    EXPECT_EQ(json["outcome"], "converged");
+    EXPECT_EQ(json["n"], 50);
+    EXPECT_EQ(json["unknowns"], 102);
+    const Json& points = json["states"][0]["points"];
+    ASSERT_EQ(points.size(), 3u) << "both bars have a point at 0";
+    EXPECT_NEAR(points[0]["u"], 2, 1e-10);
+    EXPECT_EQ(points[2]["body"], 1);
+    EXPECT_LT(json["states"][0]["error"]["u"], 1e-10);
+    EXPECT_LT(json["states"][1]["error"]["u"], 0.2);
+    EXPECT_THROW(run_case({.scene = "two-bars", .points = {{0, 0}}}), InputError);
+    EXPECT_THROW(run_case({.scene = "two-bars", .points = {{11, std::nan("")}}}), InputError);
+    EXPECT_THROW(run_case({.scene = "two-plates", .n = 5, .points = {{0.5, std::nan("")}}}), InputError);
+}
+
+TEST(Case, EverySceneOfTheListRuns) {
+    for (const std::string& name : study_scene_names()) {
+        StudyScene scene = study_scene(name, 12);
+        CaseOptions options{.scene = name, .n = 12, .gamma = std::vector<double>(scene.family->names().size(), 0.4)};
+        if (!scene.is_static()) options.t_end = 20 * scene.dt;
+        EXPECT_EQ(run_case(options)["outcome"], "converged") << name;
+    }
 }
 
 /// Gives up at its seventh solve.
@@ -105,7 +134,11 @@ TEST(Case, ParsesPoints) {
     EXPECT_EQ(parse_points(""), Points());
     EXPECT_EQ(parse_points(".5,.25"), (Points{{0.5, 0.25}}));
     EXPECT_EQ(parse_points("0.5,1e-2;1,0;"), (Points{{0.5, 0.01}, {1, 0}}));
-    for (const char* bad : {".5", ".5;.3", ".5,", ".5,.3,.1", "a,b", ".5 .3", ",;"})
+    const Points line = parse_points(".5;-3");
+    ASSERT_EQ(line.size(), 2u);
+    EXPECT_EQ(line[1][0], -3);
+    EXPECT_TRUE(std::isnan(line[0][1]) && std::isnan(line[1][1]));
+    for (const char* bad : {".5,", ".5,.3,.1", "a,b", ".5 .3", ",;"})
         EXPECT_THROW(parse_points(bad), InputError) << bad;
 }
 
