@@ -1,6 +1,7 @@
 // A matrix as a value: sparse, dense or diagonal, immutable, with shared storage.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <utility>
@@ -33,8 +34,8 @@ public:
     Index cols() const { return cols_; }
 
     /// The storage if it is of this kind, else nullptr.
-    const SparseMatrix* sparse() const { return std::get_if<SparseMatrix>(storage_.get()); }
-    const DenseMatrix* dense() const { return std::get_if<DenseMatrix>(storage_.get()); }
+    const SparseMatrix* sparse() const { return std::get_if<SparseMatrix>(&storage_->entries); }
+    const DenseMatrix* dense() const { return std::get_if<DenseMatrix>(&storage_->entries); }
     const Vector* diagonal_entries() const;
 
     bool same_storage(const Matrix& other) const { return storage_ == other.storage_; }
@@ -57,13 +58,19 @@ public:
     DenseMatrix to_dense() const;
 
     bool all_finite() const;
-    /// |A - A'| <= tolerance |A| entrywise in max norm.
+    /// |A - A'| <= tolerance |A| entrywise in max norm. Found out once for all copies.
     bool is_symmetric(double tolerance = 1e-12) const;
     /// "99x99 sparse", for messages.
     std::string shape() const;
 
 private:
-    using Storage = std::variant<SparseMatrix, DenseMatrix, Diagonal>;
+    struct Storage {
+        std::variant<SparseMatrix, DenseMatrix, Diagonal> entries;
+        /// |A - A'| over |A|; negative: nobody has asked yet. Two threads may both find it out: they find the same.
+        mutable std::atomic<double> asymmetry = -1;
+
+        template <class Entries> explicit Storage(Entries A) : entries(std::move(A)) {}
+    };
     std::shared_ptr<const Storage> storage_;
     Index rows_ = 0;
     Index cols_ = 0;

@@ -55,6 +55,22 @@ TEST(Matrix, CombineKeepsTheSparsestKind) {
     EXPECT_THROW(combine(1, d, 1, Matrix::identity(4)), InputError);
 }
 
+TEST(Matrix, SparseSymmetryAgreesWithEigensDenseTranspose) {
+    std::srand(3);
+    for (int trial = 0; trial < 200; ++trial) {
+        const Index n = 1 + trial % 7;
+        DenseMatrix A = DenseMatrix::Random(n, n);
+        A = (A.array().abs() < 0.6).select(0.0, A);
+        if (trial % 3 > 0) A = (A + A.transpose()).eval();
+        if (trial % 3 == 1) A(trial % n, 0) += trial % 2 == 0 ? 1e-13 : 1e-6;
+        SparseMatrix S = A.sparseView();
+        if (trial % 5 == 0) S.coeffRef(0, n - 1) += 0;  // stored zeros make the pattern one-sided
+        const double difference = (A - A.transpose()).cwiseAbs().maxCoeff();
+        for (const double tolerance : {0.0, 1e-12, 1e-3})
+            EXPECT_EQ(Matrix(S).is_symmetric(tolerance), difference <= tolerance * A.cwiseAbs().maxCoeff()) << A;
+    }
+}
+
 TEST(Matrix, SymmetryIsRelativeToTheLargestEntry) {
     DenseMatrix A = DenseMatrix::Identity(2, 2) * 1e8;
     A(0, 1) = 1e-6;
