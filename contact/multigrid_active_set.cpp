@@ -253,8 +253,9 @@ private:
         for (Index first = 0; first < x_.size(); first += block) {
             const Index count = std::min(block, x_.size() - first);
             const auto x = x_.segment(first, count).array();
-            const bool beyond = (x < lower_.segment(first, count).array()).any() ||
-                                (upper_used_ && (x > upper_.segment(first, count).array()).any());
+            // The largest excess instead of any(): Eigen has vector code for it.
+            const bool beyond = (lower_.segment(first, count).array() - x).maxCoeff() > 0 ||
+                                (upper_used_ && (x - upper_.segment(first, count).array()).maxCoeff() > 0);
             for (Index i = first; beyond && i < first + count; ++i) {
                 const int side = x_[i] < lower_[i] ? -1 : x_[i] > upper_[i] ? 1 : 0;
                 if (side == 0) continue;
@@ -284,7 +285,7 @@ private:
     }
 
     /// Projected Gauss-Seidel around the unknowns that joined or left: what is local about the set is settled for the
-    /// price of a part of a V-cycle, several layers at once, where the active set alone peels off one a round.
+    /// price of a part of a cycle, several layers at once, where the active set alone peels off one a round.
     void relax() {
         near_.clear();
         const auto reach = [&](int unknown) {
@@ -333,7 +334,7 @@ private:
             r_[active_[k]] = 0;
         }
         const double largest = r_.lpNorm<Eigen::Infinity>();
-        if (largest > 0) krylov_.residual = (r_ / largest).cast<float>();
+        if (largest > 0) krylov_.residual = (r_ * (1 / largest)).cast<float>();
         return largest;
     }
 
@@ -409,9 +410,9 @@ std::unique_ptr<PreparedContact> MultigridActiveSet::prepare(const Matrix& A, co
     if (A.rows() != A.cols() || B.cols() != A.rows()) refuse();
     const SparseMatrix copy = A.sparse() ? SparseMatrix() : A.to_sparse();
     CompressedRows rows = compressed_columns(A.sparse() ? *A.sparse() : copy);
-    // The second question is for patterns with stored zeros; it costs as much as the hierarchy.
-    if (!symmetric_in_place(rows) && !A.is_symmetric()) refuse();
-    if (!(A.main_diagonal().array() > 0).all())
+    if (!A.is_symmetric()) refuse();
+    const auto diagonal = diagonal_of(rows);
+    if (!std::all_of(diagonal.begin(), diagonal.end(), [](double a) { return a > 0; }))
         throw InputError("MultigridActiveSet: A has a diagonal entry <= 0, expected positive definite");
     return std::make_unique<PreparedMultigrid>(A, B, std::move(rows), Bounds::of(B));
 }

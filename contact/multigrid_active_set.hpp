@@ -12,7 +12,7 @@ namespace tact {
 ///   start: the obstacle problem of the correction on the coarse levels of a smoothed-aggregation hierarchy, coarsest
 ///          first; the bound of an aggregate is that of its root
 ///   round: x to its bounds where beyond them, rows with negative multiplier released, on the residual in double; then
-///          a few steps of conjugate gradients on the free unknowns, preconditioned by a V-cycle with the others masked
+///          a few steps of conjugate gradients on the free unknowns, preconditioned by a multigrid cycle with the others masked
 ///   end:   set unchanged and residual at the floor, about 1e-13 in the scale of the certificate
 ///
 /// All corrections are in single precision, all decisions on the double residual. A set that comes back at full accuracy

@@ -1,6 +1,7 @@
 // The steps that set up a smoothed-aggregation hierarchy: ordering, aggregates, prolongator, Galerkin product.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "tact/lib/types.hpp"
@@ -18,14 +19,15 @@ struct CompressedRows {
     int end(int row) const { return start[static_cast<std::size_t>(row) + 1]; }
     int column_at(int entry) const { return column[static_cast<std::size_t>(entry)]; }
     double value_at(int entry) const { return value[static_cast<std::size_t>(entry)]; }
+    int longest_row() const {
+        int longest = 0;
+        for (int i = 0; i < rows; ++i) longest = std::max(longest, end(i) - begin(i));
+        return longest;
+    }
 };
 
 /// The columns of A as rows: A' in rows, A itself if it is symmetric.
 CompressedRows compressed_columns(const SparseMatrix& A);
-
-/// Whether A = A' within `tolerance` |A| in max norm, for a pattern that is symmetric with sorted rows; false for any
-/// other pattern. One pass with a cursor a row: a tenth of the cost of a transpose.
-bool symmetric_in_place(const CompressedRows& A, double tolerance = 1e-12);
 
 /// The diagonal; entries that are not stored are zero.
 std::vector<double> diagonal_of(const CompressedRows& A);
@@ -47,8 +49,8 @@ struct Aggregates {
 };
 Aggregates aggregates_of(const CompressedRows& A, const std::vector<double>& diagonal, double strength);
 
-/// P = (I - omega D^-1 A) P0 with P0 the indicator of the aggregates and omega = 4/3 / max_i sum_j |a_ij| / a_ii, a
-/// bound of the spectral radius of D^-1 A. (Vanek, Mandel, Brezina, Computing 56, 1996.)
+/// P = (I - omega D^-1 A) P0 with P0 the indicator of the aggregates and omega = 1.8 / max_i sum_j |a_ij| / a_ii, over
+/// a bound of the spectral radius of D^-1 A. (Vanek, Mandel, Brezina, Computing 56, 1996.)
 CompressedRows smoothed_prolongator(const CompressedRows& A, const std::vector<double>& diagonal,
                                     const Aggregates& aggregates);
 

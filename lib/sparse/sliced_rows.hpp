@@ -48,20 +48,25 @@ public:
     };
 
     SlicedRows() = default;
-    /// `fill(row, add)` calls add(column, value) for the entries of one row; `rows` is a multiple of `lanes`.
-    template <class Fill> SlicedRows(int rows, std::size_t entries, const Fill& fill) {
-        scratch_.reserve(entries / static_cast<std::size_t>(std::max(rows, 1)) * 2 * lanes);
+    /// `fill(row, add)` calls add(column, value) for the entries of one row, at most `longest` of them; `rows` is a
+    /// multiple of `lanes`.
+    template <class Fill> SlicedRows(int rows, int longest, const Fill& fill) {
+        scratch_.resize(static_cast<std::size_t>(longest) * lanes);
+        runs_.resize(runs_for_a_gather * static_cast<std::size_t>(longest));
+        run_values_.resize(runs_.size());
         slice_.reserve(static_cast<std::size_t>(rows / lanes));
         for (int first = 0; first < rows; first += lanes) {
-            scratch_.clear();
-            std::array<std::size_t, lanes + 1> start{};
+            Entry* next = scratch_.data();
+            Starts start{};
             for (int lane = 0; lane < lanes; ++lane) {
-                fill(first + lane, [&](int column, double value) { scratch_.push_back({column, value}); });
-                start[static_cast<std::size_t>(lane) + 1] = scratch_.size();
+                fill(first + lane, [&next](int column, double value) { *next++ = {column, value}; });
+                start[static_cast<std::size_t>(lane) + 1] = static_cast<std::size_t>(next - scratch_.data());
             }
             add_slice(start);
         }
         scratch_ = {};
+        runs_ = {};
+        run_values_ = {};
         seen_values_ = seen_gathers_ = {};
         value_.shrink_to_fit();
     }
@@ -134,7 +139,9 @@ private:
     /// A gathered slot costs about four runs, whose zeros are cheap to multiply.
     static constexpr std::size_t runs_for_a_gather = 3;
 
-    void add_slice(const std::array<std::size_t, lanes + 1>& start) {
+    using Starts = std::array<std::size_t, lanes + 1>;  // in scratch_, of the rows of a slice
+
+    void add_slice(const Starts& start) {
         std::size_t longest = 0;
         for (std::size_t l = 0; l < lanes; ++l) longest = std::max(longest, start[l + 1] - start[l]);
         const auto value = value_.size();
@@ -158,27 +165,28 @@ private:
     }
 
     /// Neighbouring rows mostly have the same offsets in the same order: the next slot is tried first.
-    bool add_runs(const std::array<std::size_t, lanes + 1>& start, std::size_t most) {
-        const auto column = column_.size(), value = value_.size();
+    bool add_runs(const Starts& start, std::size_t most) {
+        std::size_t slots = 0;
+        bool exact = true;
         for (std::size_t l = 0; l < lanes; ++l) {
             std::size_t slot = 0;
             for (auto k = start[l]; k < start[l + 1]; ++k, ++slot) {
                 const int offset = scratch_[k].column - static_cast<int>(l);
-                const auto slots = column_.size() - column;
-                if (slot >= slots || column_[column + slot] != offset)
-                    for (slot = 0; slot < slots && column_[column + slot] != offset;) ++slot;
+                if (slot >= slots || runs_[slot] != offset)
+                    for (slot = 0; slot < slots && runs_[slot] != offset;) ++slot;
                 if (slot == slots) {
-                    if (slots == most) {
-                        column_.resize(column);
-                        value_.resize(value);
-                        return false;
-                    }
-                    column_.push_back(offset);
-                    value_.emplace_back();
+                    if (slots == most) return false;
+                    runs_[slots] = offset;
+                    run_values_[slots++] = {};
                 }
-                value_[value + slot][l] += rounded(scratch_[k].value);
+                const T stored = static_cast<T>(scratch_[k].value);
+                exact &= static_cast<double>(stored) == scratch_[k].value;
+                run_values_[slot][l] += stored;
             }
         }
+        exact_ &= exact;
+        column_.insert(column_.end(), runs_.begin(), runs_.begin() + static_cast<std::ptrdiff_t>(slots));
+        value_.insert(value_.end(), run_values_.begin(), run_values_.begin() + static_cast<std::ptrdiff_t>(slots));
         return true;
     }
 
@@ -218,6 +226,8 @@ private:
     std::vector<Columns> gather_;  // per gathered slot, relative to the slice's first column
     std::vector<Values> value_;    // per slot
     std::vector<Entry> scratch_;
+    std::vector<int> runs_;           // of the slice that is being made: per slot its first column, as in column_
+    std::vector<Values> run_values_;  // and its values
     std::vector<Seen> seen_values_, seen_gathers_;
 };
 

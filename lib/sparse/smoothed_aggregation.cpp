@@ -82,9 +82,9 @@ void SmoothedAggregation::store_couplings(Level& level, const CompressedRows& A)
             if (j != i) add(level.place[at(j)] - padding, A.value_at(k) * level.scale[at(i)] * level.scale[at(j)]);
         }
     };
-    level.couplings = SlicedRows<float>(level.padded, A.column.size(), fill);
+    level.couplings = SlicedRows<float>(level.padded, A.longest_row(), fill);
     if (&level == &level_.front() && !level.couplings.exact())
-        finest_ = SlicedRows<double>(level.padded, A.column.size(), fill);
+        finest_ = SlicedRows<double>(level.padded, A.longest_row(), fill);
 }
 
 void SmoothedAggregation::scale_transfer(Level& level, const CompressedRows& coarse, const Aggregates& aggregates) {
@@ -99,9 +99,6 @@ void SmoothedAggregation::scale_transfer(Level& level, const CompressedRows& coa
         }
         level.row_sum.push_back(static_cast<float>(sum));
     }
-    for (int J = 0; J < level.R.rows; ++J)
-        for (int k = level.R.begin(J); k < level.R.end(J); ++k)
-            level.R.value[at(k)] *= root[at(level.R.column_at(k))] * inverse[at(J)];
     level.aggregate = aggregates.of;
 }
 
@@ -110,17 +107,17 @@ void SmoothedAggregation::store_transfer(Level& fine, const Level& coarse) {
     const CompressedRows& P = fine.P;
     const CompressedRows& R = fine.R;
     const int swept = fine.first_slice[fine.first_slice.size() - 2] * lanes;
-    fine.prolong = SlicedRows<float>(swept, P.column.size(), [&](int place, const auto& add) {
+    fine.prolong = SlicedRows<float>(swept, P.longest_row(), [&](int place, const auto& add) {
         const int i = fine.unknown[at(place)];
         if (i < 0) return;
         for (int k = P.begin(i); k < P.end(i); ++k) add(coarse.place[at(P.column_at(k))] - padding, P.value_at(k));
     });
-    fine.restrict_swept = SlicedRows<float>(coarse.padded, P.column.size(), [&](int place, const auto& add) {
+    fine.restrict_swept = SlicedRows<float>(coarse.padded, R.longest_row(), [&](int place, const auto& add) {
         const int J = coarse.unknown[at(place)];
         if (J < 0) return;
         for (int k = R.begin(J); k < R.end(J); ++k) {
-            const int column = fine.place[at(R.column_at(k))] - padding;
-            if (column < swept) add(column, R.value_at(k));
+            const int i = R.column_at(k), column = fine.place[at(i)] - padding;
+            if (column < swept) add(column, R.value_at(k) * coarse.scale[at(J)] / fine.scale[at(i)]);
         }
     });
     fine.R = {};
@@ -275,37 +272,53 @@ void SmoothedAggregation::descend(int number, const float* r, float* x) {
         if (masked) hold(x);
         return;
     }
-    // Forward sweep from zero: the first colour is coupled to nothing yet.
+    sweep_from_zero(number, r, x);
+    correct(number, r, x);
     const int colours = static_cast<int>(level.first_slice.size()) - 1;
-    const int first = lanes * level.first_slice[1], last = lanes * level.first_slice[at(colours) - 1];
+    for (int colour = colours - 1; colour >= 0; --colour) sweep(number, colour, r, x);
+    // Coarse levels cost little: a second visit keeps the number of cycles nearly independent of the size.
+    if (number < first_visited_twice || number + 1 == levels()) return;
+    for (int colour = 0; colour < colours; ++colour) sweep(number, colour, r, x);
+    correct(number, r, x);
+    for (int colour = colours - 1; colour >= 0; --colour) sweep(number, colour, r, x);
+}
+
+void SmoothedAggregation::sweep_from_zero(int number, const float* r, float* x) const {
+    // The first colour is coupled to nothing yet.
+    const Level& level = of(number);
+    const int colours = static_cast<int>(level.first_slice.size()) - 1;
+    const int first = lanes * level.first_slice[1];
     for (int i = padding; i < padding + first; i += lanes) store(x + i, load(&level.inverse[i]) * load(r + i));
-    if (masked) hold(x);
+    if (number == masked_level_) hold(x);
     if (colours > 2) std::fill(x + padding + first, x + padding + level.padded, 0.0F);
     for (int colour = 1; colour < colours; ++colour) sweep(number, colour, r, x);
+}
 
-    if (number + 1 < levels()) {
-        Level& coarse = of(number + 1);
-        float* t = level.t.data();
-        for (int i = padding, s = 0; i < padding + last; i += lanes, ++s) {
-            Lanes sum;
-            level.couplings.multiply_slice(s, x + padding, sum);
-            store(t + i, load(r + i) - load(&level.diagonal[i]) * load(x + i) - sum);
-        }
-        if (masked) hold(t);
-        for (int s = 0; s < level.restrict_swept.slices(); ++s) {
-            Lanes sum;
-            level.restrict_swept.multiply_slice(s, t + padding, sum);
-            store(&coarse.r[padding + s * lanes], sum);
-        }
-        descend(number + 1, coarse.r.data(), coarse.x.data());
-        for (int i = padding, s = 0; i < padding + last; i += lanes, ++s) {
-            Lanes sum;
-            level.prolong.multiply_slice(s, coarse.x.data() + padding, sum);
-            store(x + i, load(x + i) + sum);
-        }
-        if (masked) hold(x);
+void SmoothedAggregation::correct(int number, const float* r, float* x) {
+    if (number + 1 == levels()) return;
+    Level& level = of(number);
+    Level& coarse = of(number + 1);
+    const bool masked = number == masked_level_;
+    const int last = lanes * level.first_slice[level.first_slice.size() - 2];
+    float* t = level.t.data();
+    for (int i = padding, s = 0; i < padding + last; i += lanes, ++s) {
+        Lanes sum;
+        level.couplings.multiply_slice(s, x + padding, sum);
+        store(t + i, load(r + i) - load(&level.diagonal[i]) * load(x + i) - sum);
     }
-    for (int colour = colours - 1; colour >= 0; --colour) sweep(number, colour, r, x);
+    if (masked) hold(t);
+    for (int s = 0; s < level.restrict_swept.slices(); ++s) {
+        Lanes sum;
+        level.restrict_swept.multiply_slice(s, t + padding, sum);
+        store(&coarse.r[padding + s * lanes], sum);
+    }
+    descend(number + 1, coarse.r.data(), coarse.x.data());
+    for (int i = padding, s = 0; i < padding + last; i += lanes, ++s) {
+        Lanes sum;
+        level.prolong.multiply_slice(s, coarse.x.data() + padding, sum);
+        store(x + i, load(x + i) + sum);
+    }
+    if (masked) hold(x);
 }
 
 void SmoothedAggregation::restrict_all(int number, const float* r, float* coarse) const {

@@ -1,4 +1,4 @@
-// A multigrid hierarchy from the matrix alone: smoothed aggregation, colour Gauss-Seidel, one V-cycle.
+// A multigrid hierarchy from the matrix alone: smoothed aggregation, colour Gauss-Seidel, one cycle.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -11,7 +11,7 @@
 namespace tact {
 
 /// Approximate inverse of a symmetric positive definite A, best where A is near an M-matrix whose slow modes are
-/// locally constant (diffusion, membranes). Every level is scaled to unit diagonal and kept colour by colour; numbers
+/// locally constant (diffusion, membranes). A cycle is a V on the two finest levels and a W below. Every level is scaled to unit diagonal and kept colour by colour; numbers
 /// of a level stand at `place`s, `padded` of them with zeros between the colours and `padding` around.
 ///
 /// Unknowns may be masked: the cycle then acts as if they were fixed. On the level of the mask this is exact; coarser
@@ -86,10 +86,13 @@ private:
     void spread_springs();
     void factor_coarsest();
     void descend(int level, const float* r, float* z);
+    void sweep_from_zero(int level, const float* r, float* x) const;
+    void correct(int level, const float* r, float* x);
     void sweep(int level, int colour, const float* r, float* x) const;
     void hold(float* x) const;
 
     static constexpr int coarsest_size = 100;
+    static constexpr int first_visited_twice = 2;
     static constexpr double strength = 0.08;
     static constexpr float stiffness = 0.2F;
 
