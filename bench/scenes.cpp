@@ -4,8 +4,10 @@
 
 #include "tact/lib/errors.hpp"
 #include "tact/lib/scenes/bar.hpp"
+#include "tact/lib/scenes/mass_on_stop.hpp"
 #include "tact/lib/scenes/membrane.hpp"
 #include "tact/lib/scenes/plates.hpp"
+#include "tact/lib/scenes/string.hpp"
 
 namespace tact::bench {
 namespace {
@@ -67,6 +69,28 @@ StudyScene equal_bars(Index n) {
     return scene;
 }
 
+/// The exact trajectory of an elastic impact; lambda is unknown at the impact itself and zero elsewhere.
+StudyScene bounce(const MassOnStopData& data, double t_end) {
+    StudyScene scene = single(mass_on_stop(data), 1e-3, t_end);
+    scene.exact = [data](double t) {
+        const BounceState state = bouncing_ball(data, 1, t);
+        return ExactState{Vector::Constant(1, state.u), Vector::Constant(1, state.v), Vector::Zero(1)};
+    };
+    return scene;
+}
+
+StudyScene plucked(Index n) {
+    StudyScene scene = single(plucked_string(n), 1e-3, 3);
+    scene.exact = [mesh = scene.mesh](double t) {
+        return at_nodes(mesh, plucked_string_force({}, t),
+                        [t](double x, std::size_t) { return plucked_string_exact({}, x, t); });
+    };
+    return scene;
+}
+
+StudyScene draped(Index n) { return single(draped_string(n, {.damping = 0.5}), 1e-3, 4); }
+StudyScene draped_at_rest(Index n) { return single(draped_string(n, {}, Motion::none), 0, 0); }
+
 struct Entry {
     std::string name;
     Index n;  ///< the usual one
@@ -78,6 +102,8 @@ const std::vector<Entry>& entries() {
         {"static-obstacle", 200, [](Index n) { return obstacle(n, Motion::none); }},
         {"dynamic-obstacle", 200, [](Index n) { return obstacle(n, Motion::dynamic); }},
         {"two-plates", 100, [](Index n) { return single(two_plates(n), 2e-4, 0.4); }},
+        {"mass-on-stop", 1, [](Index) { return bounce({}, 10); }},
+        {"mass-on-spring", 1, [](Index) { return bounce({.gravity = 0, .stiffness = 4}, 10); }},
         {"bar-impact", 100, [](Index n) { return impact(n, {}, Mass::lumped); }},
         {"bar-impact-consistent", 100, [](Index n) { return impact(n, {}, Mass::consistent); }},
         {"falling-bar", 100, [](Index n) { return impact(n, {.velocity = 0, .gravity = 10}, Mass::lumped); }},
@@ -85,6 +111,9 @@ const std::vector<Entry>& entries() {
         {"two-bars", 100, equal_bars},
         {"light-bar-on-heavy-bar", 100, [](Index n) { return collision({.right = {.density = 1e6}}, n); }},
         {"soft-bar-on-stiff-bar", 100, [](Index n) { return collision({.right = {.modulus = 900e9}}, n); }},
+        {"plucked-string", 100, plucked},
+        {"draped-string", 100, draped},
+        {"draped-string-at-rest", 100, draped_at_rest},
     };
     return all;
 }
