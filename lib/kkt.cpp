@@ -3,8 +3,13 @@
 #include <cmath>
 #include <vector>
 
+#include "tact/lib/row_runs.hpp"
+
 namespace tact {
 namespace {
+
+constexpr Index block_rows = RowRuns::block_rows;
+using Buffer = double[block_rows];
 
 /// Both arguments are max norms; 0/0 = 0.
 double ratio(double numerator, double denominator) {
@@ -12,201 +17,74 @@ double ratio(double numerator, double denominator) {
     return numerator / denominator;
 }
 
-/// Max of non-negative entries, 0 of none; NaN counts as infinity. Eight running maxima, so that it vectorises.
-template <class Expression> double size_of(const Expression& x) {
-    constexpr Index lanes = 8;
-    double best[lanes] = {}, sum[lanes] = {};  // a sum keeps every NaN, a comparison drops it
-    const Eigen::internal::evaluator<Expression> entry(x);
-    const Index whole = x.size() / lanes * lanes;
-    for (Index i = 0; i < whole; i += lanes)
-        for (Index l = 0; l < lanes; ++l) {
-            const double v = entry.coeff(i + l);
-            best[l] = v > best[l] ? v : best[l];
-            sum[l] += v;
-        }
-    for (Index i = whole; i < x.size(); ++i) {
-        const double v = entry.coeff(i);
-        best[0] = v > best[0] ? v : best[0];
-        sum[0] += v;
-    }
-    for (Index l = 0; l < lanes; ++l) {
-        if (std::isnan(sum[l])) return infinity;
-        best[0] = std::max(best[0], best[l]);
-    }
-    return best[0];
-}
-
-/// Rows of a matrix for two products in one pass: y = A x and z = |A||x|. Sparse rows are taken in blocks; where a block
-/// has few distinct offsets column - row (any mesh numbered along its lines) it is stored by diagonals, whose products
-/// vectorise, else row by row.
-class Rows {
+/// Running max of entries that are not negative; NaN counts as infinity. Eight lanes, so that it vectorises.
+class Largest {
 public:
-    explicit Rows(const Matrix& A) : source_(A) {
-        if (const DenseMatrix* dense = A.dense()) {
-            absolute_ = dense->cwiseAbs();
-            transposed_ = dense->transpose();
-        }
-        const SparseMatrix* S = A.sparse();
-        if (!S) return;
-        start_.assign(static_cast<std::size_t>(A.rows()) + 1, 0);
-        for (Index k = 0; k < S->nonZeros(); ++k) ++start_[static_cast<std::size_t>(S->innerIndexPtr()[k]) + 1];
-        for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
-        column_.resize(static_cast<std::size_t>(S->nonZeros()));
-        value_.resize(column_.size());
-        std::vector<int> next(start_.begin(), start_.end() - 1);
-        for (Index j = 0; j < S->outerSize(); ++j)
-            for (auto k = S->outerIndexPtr()[j]; k < S->outerIndexPtr()[j + 1]; ++k) {
-                const auto slot = static_cast<std::size_t>(next[static_cast<std::size_t>(S->innerIndexPtr()[k])]++);
-                column_[slot] = static_cast<int>(j);
-                value_[slot] = S->valuePtr()[k];
-            }
-        for (Index first = 0; first < A.rows(); first += block_rows) find_diagonals(first);
+    template <class EntryAt> void take(Index count, EntryAt entry_at) {
+        const Index whole = count / lanes * lanes;
+        for (Index i = 0; i < whole; i += lanes)
+            for (Index l = 0; l < lanes; ++l) raise(entry_at(i + l), l);
+        for (Index i = whole; i < count; ++i) raise(entry_at(i), 0);
     }
-
-    /// y = A x and z = |A||x|.
-    void multiply(const ConstVectorRef& x, VectorRef y, VectorRef z) const {
-        if (source_.sparse()) {
-            for (std::size_t block = 0; block < diagonals_.size(); ++block) {
-                const Index first = static_cast<Index>(block) * block_rows;
-                const Index count = std::min(block_rows, source_.rows() - first);
-                if (diagonals_[block].empty())
-                    multiply_rows(first, count, x.data(), y.data(), z.data());
-                else
-                    multiply_diagonals(diagonals_[block], first, count, x.data(), y.data(), z.data());
-            }
-        } else {
-            multiply(x, y);
-            multiply_absolute(x, z);
+    double value() const {
+        double largest = 0;
+        for (Index l = 0; l < lanes; ++l) {
+            if (std::isnan(sum_[l])) return infinity;
+            largest = std::max(largest, best_[l]);
         }
-    }
-
-    /// y = A x.
-    void multiply(const ConstVectorRef& x, VectorRef y) const {
-        if (const DenseMatrix* A = source_.dense())
-            y.noalias() = *A * x;
-        else if (const Vector* d = source_.diagonal_entries())
-            y = d->cwiseProduct(x);
-        else
-            for (Index i = 0; i < source_.rows(); ++i) {
-                double sum = 0;
-                for (auto k = begin_of(i); k < begin_of(i + 1); ++k) sum += value_[k] * x[column_[k]];
-                y[i] = sum;
-            }
-    }
-
-    /// z = |A||x|.
-    void multiply_absolute(const ConstVectorRef& x, VectorRef z) const {
-        if (source_.dense()) {
-            size_ = x.cwiseAbs();
-            z.noalias() = absolute_ * size_;
-        } else if (const Vector* d = source_.diagonal_entries()) {
-            z = d->cwiseProduct(x).cwiseAbs();
-        } else {
-            for (Index i = 0; i < source_.rows(); ++i) {
-                double sum = 0;
-                for (auto k = begin_of(i); k < begin_of(i + 1); ++k) sum += std::abs(value_[k] * x[column_[k]]);
-                z[i] = sum;
-            }
-        }
-    }
-
-    /// y -= A' x and z += |A'||x|, skipping the zeros of x: multipliers are mostly zero.
-    void subtract_transposed(const ConstVectorRef& x, VectorRef y, VectorRef z) const {
-        if (const Vector* d = source_.diagonal_entries()) {
-            y -= d->cwiseProduct(x);
-            z += d->cwiseProduct(x).cwiseAbs();
-            return;
-        }
-        const bool dense = source_.dense() != nullptr;
-        for (Index i = 0; i < source_.rows(); ++i) {
-            if (x[i] == 0) continue;
-            if (dense) {
-                y -= x[i] * transposed_.col(i);
-                z += std::abs(x[i]) * transposed_.col(i).cwiseAbs();
-                continue;
-            }
-            for (auto k = begin_of(i); k < begin_of(i + 1); ++k) {
-                const double term = value_[k] * x[i];
-                y[column_[k]] -= term;
-                z[column_[k]] += std::abs(term);
-            }
-        }
+        return largest;
     }
 
 private:
-    static constexpr Index block_rows = 512;
-
-    struct Diagonal {
-        Index offset;                // column - row
-        Index first = 0, count = 0;  // rows of the block where it is inside the matrix
-        std::vector<double> values;
-    };
-
-    std::size_t begin_of(Index row) const { return static_cast<std::size_t>(start_[static_cast<std::size_t>(row)]); }
-
-    void find_diagonals(Index first) {
-        const Index count = std::min(block_rows, source_.rows() - first);
-        diagonals_.emplace_back();
-        auto& diagonals = diagonals_.back();
-        const auto entries = begin_of(first + count) - begin_of(first);
-        for (Index i = first; i < first + count; ++i)
-            for (auto k = begin_of(i); k < begin_of(i + 1); ++k) {
-                const Index offset = column_[k] - i;
-                auto found = std::find_if(diagonals.begin(), diagonals.end(),
-                                          [&](const Diagonal& d) { return d.offset == offset; });
-                if (found == diagonals.end()) {
-                    // Zeros are multiplied too: not worth it beyond twice the work.
-                    if ((diagonals.size() + 1) * static_cast<std::size_t>(count) > 2 * entries + 512) {
-                        diagonals.clear();
-                        return;
-                    }
-                    const Index low = std::max<Index>(0, -offset - first);
-                    const Index high = std::min(count, source_.cols() - offset - first);
-                    diagonals.push_back(
-                        {offset, low, high - low, std::vector<double>(static_cast<std::size_t>(high - low))});
-                    found = diagonals.end() - 1;
-                }
-                found->values[static_cast<std::size_t>(i - first - found->first)] += value_[k];
-            }
+    static constexpr Index lanes = 8;
+    void raise(double v, Index lane) {
+        best_[lane] = v > best_[lane] ? v : best_[lane];
+        sum_[lane] += v;  // keeps every NaN; a comparison drops it
     }
+    double best_[lanes] = {}, sum_[lanes] = {};
+};
 
-    static void multiply_diagonals(const std::vector<Diagonal>& diagonals, Index first, Index count, const double* x,
-                                   double* y, double* z) {
-        std::fill_n(y + first, count, 0.0);
-        std::fill_n(z + first, count, 0.0);
-        for (const Diagonal& d : diagonals) {
-            double* __restrict sum = y + first + d.first;
-            double* __restrict size = z + first + d.first;
-            const double* __restrict value = d.values.data();
-            const double* __restrict operand = x + first + d.first + d.offset;
-            for (Index i = 0; i < d.count; ++i) {
-                const double term = value[i] * operand[i];
-                sum[i] += term;
+/// The rows of A in blocks, for A x and |A||x| taken together.
+class Rows {
+public:
+    explicit Rows(const Matrix& A) : size_(A.rows()) {
+        if (A.dense())
+            dense_ = A;
+        else
+            sparse_ = RowRuns(A.to_sparse().transpose());
+    }
+    static Rows transposed(const Matrix& A) {
+        if (const DenseMatrix* dense = A.dense()) return Rows(Matrix(DenseMatrix(dense->transpose())));
+        return Rows(Matrix(SparseMatrix(A.to_sparse().transpose())));
+    }
+    Index size() const { return size_; }
+
+    /// sum += sign A x and size += |A||x| on the `count` rows of a block.
+    void add(Index block, Index count, double sign, const double* x, double* __restrict sum,
+             double* __restrict size) const {
+        const DenseMatrix* A = dense_.dense();
+        if (!A) return sparse_.add(block, sign, x, sum, size);
+        for (Index j = 0; j < A->cols(); ++j) {
+            if (x[j] == 0) continue;  // multipliers mostly are
+            const double* column = &A->coeffRef(block * block_rows, j);
+            for (Index i = 0; i < count; ++i) {
+                const double term = column[i] * x[j];
+                sum[i] += sign * term;
                 size[i] += std::abs(term);
             }
         }
     }
 
-    void multiply_rows(Index first, Index count, const double* x, double* y, double* z) const {
-        for (Index i = first; i < first + count; ++i) {
-            double sum = 0, size = 0;
-            for (auto k = begin_of(i); k < begin_of(i + 1); ++k) {
-                const double term = value_[k] * x[column_[k]];
-                sum += term;
-                size += std::abs(term);
-            }
-            y[i] = sum;
-            z[i] = size;
-        }
-    }
-
-    Matrix source_;
-    std::vector<int> start_, column_;
-    std::vector<double> value_;
-    std::vector<std::vector<Diagonal>> diagonals_;  // by block; none: row by row
-    DenseMatrix absolute_, transposed_;             // of a dense matrix
-    mutable Vector size_;
+private:
+    Index size_;
+    RowRuns sparse_;
+    Matrix dense_;
 };
+
+template <class Each> void for_each_block(Index rows, Each each) {
+    for (Index block = 0; block * block_rows < rows; ++block)
+        each(block, block * block_rows, std::min(block_rows, rows - block * block_rows));
+}
 
 }  // namespace
 
@@ -224,10 +102,13 @@ bool KktResiduals::within(double tolerance, double gap_size) const {
 }
 
 struct KktCertificate::Work {
-    Work(const Matrix& A_, const Matrix& B_)
-        : A(A_), B(B_), force(A_.rows()), force_scale(A_.rows()), gap(B_.rows()), gap_scale(B_.rows()) {}
-    Rows A, B;
-    Vector force, force_scale, gap, gap_scale;
+    Work(const Matrix& A_, const Matrix& B_) : A(A_), B(B_), B_transposed(Rows::transposed(B_)) {}
+    Rows A, B, B_transposed;
+    /// Of the rows with a multiplier.
+    struct Touch {
+        double gap, lambda;
+    };
+    std::vector<Touch> touches;
 };
 
 KktCertificate::KktCertificate(const Matrix& A, const Matrix& B) : work_(std::make_unique<Work>(A, B)) {}
@@ -238,41 +119,56 @@ KktCertificate& KktCertificate::operator=(KktCertificate&&) noexcept = default;
 KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
                                         const ConstVectorRef& lambda) const {
     Work& w = *work_;
-    w.A.multiply(u, w.force, w.force_scale);
-    w.B.subtract_transposed(lambda, w.force, w.force_scale);
-    const auto residuals = (w.force - b).cwiseAbs();
-    const double residual = size_of(residuals);
-    const double force_scale = size_of(w.force_scale + b.cwiseAbs());
-    const bool finite = std::isfinite(force_scale);
+    alignas(64) Buffer sum, size;
+    Largest residual, force_scale;
+    for_each_block(w.A.size(), [&](Index block, Index first, Index count) {
+        for (Index i = 0; i < count; ++i) {
+            sum[i] = -b[first + i];
+            size[i] = std::abs(b[first + i]);
+        }
+        w.A.add(block, count, 1, u.data(), sum, size);
+        w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
+        residual.take(count, [&](Index i) { return std::abs(sum[i]); });
+        force_scale.take(count, [&](Index i) { return size[i]; });
+    });
     KktResiduals kkt;
-    kkt.absolute.stationarity = residual;
-    kkt.stationarity = finite ? ratio(residual, force_scale) : infinity;
-    const Index m = w.gap.size();
-    if (m == 0) return kkt;
+    kkt.absolute.stationarity = residual.value();
+    kkt.stationarity = std::isfinite(force_scale.value()) ? ratio(residual.value(), force_scale.value()) : infinity;
 
-    w.B.multiply(u, w.gap);
-    w.gap -= c;  // +infinity where a row is off
-    const double penetration = size_of((-w.gap).cwiseMax(0.0));
-    const double multiplier_scale = size_of(lambda.cwiseAbs());
-    kkt.absolute.penetration = penetration;
-    if (penetration == 0 && multiplier_scale == 0) return kkt;
-
-    w.B.multiply_absolute(u, w.gap_scale);
-    const auto off = c.array() == -infinity;
-    const double gap_scale = size_of(off.select(0.0, w.gap_scale.array() + c.array().abs()));
-    const double negativity = size_of((-lambda).cwiseMax(0.0));
-    kkt.absolute.negativity = negativity;
-    kkt.penetration = ratio(penetration, gap_scale);
-    kkt.negativity = ratio(negativity, multiplier_scale);
-    for (Index i = 0; i < m; ++i) {
-        if (lambda[i] == 0) continue;
-        if (c[i] == -infinity) {
+    Largest penetration, gap_scale, negativity, multiplier_scale;
+    w.touches.clear();
+    for_each_block(w.B.size(), [&](Index block, Index first, Index count) {
+        const double* bound = c.data() + first;
+        const double* force = lambda.data() + first;
+        for (Index i = 0; i < count; ++i) {
+            sum[i] = -bound[i];  // +infinity where a row is off
+            size[i] = std::abs(bound[i]);
+        }
+        w.B.add(block, count, 1, u.data(), sum, size);
+        penetration.take(count, [&](Index i) { return !(sum[i] >= 0) ? -sum[i] : 0.0; });
+        gap_scale.take(count, [&](Index i) { return bound[i] == -infinity ? 0.0 : size[i]; });
+        negativity.take(count, [&](Index i) { return !(force[i] >= 0) ? -force[i] : 0.0; });
+        Largest multiplier;
+        multiplier.take(count, [&](Index i) { return std::abs(force[i]); });
+        const double largest = multiplier.value();
+        if (largest == 0) return;
+        multiplier_scale.take(1, [largest](Index) { return largest; });
+        for (Index i = 0; i < count; ++i)
+            if (force[i] != 0) w.touches.push_back({sum[i], force[i]});
+    });
+    const double gaps = gap_scale.value(), multipliers = multiplier_scale.value();
+    kkt.absolute.penetration = penetration.value();
+    kkt.absolute.negativity = negativity.value();
+    kkt.penetration = ratio(penetration.value(), gaps);
+    kkt.negativity = ratio(negativity.value(), multipliers);
+    for (const auto& [gap, force] : w.touches) {
+        if (gap == infinity) {
             // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
             kkt.complementarity = infinity;
-        } else if (lambda[i] > 0 && gap_scale > 0) {
-            const double share = lambda[i] / multiplier_scale;
-            kkt.complementarity = std::max(kkt.complementarity, std::min(w.gap[i] / gap_scale, share));
-            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, w.gap[i] * share);
+        } else if (force > 0 && gaps > 0) {
+            const double share = force / multipliers;
+            kkt.complementarity = std::max(kkt.complementarity, std::min(gap / gaps, share));
+            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, gap * share);
         }
     }
     return kkt;
