@@ -6,68 +6,70 @@
 #include <string>
 #include <vector>
 
+#include "tact/contact/colour_sweeps.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/lanczos.hpp"
-#include "tact/lib/sparse/sliced_ell.hpp"
 
 namespace tact {
 namespace {
 
-constexpr Index lanes = SlicedEll::lanes;
-constexpr Index padding = SlicedEll::padding;
+using Doubles = SlicedRows<double>;
+using Part = Doubles::Lanes::Part;
+constexpr int lanes = Doubles::lanes;
+constexpr int part_lanes = Doubles::Lanes::part_lanes;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+Part load(const double* x) { return Doubles::load_part(x); }
+void store(double* x, const Part& v) { std::memcpy(x, &v, sizeof(v)); }
+void raise(Part& largest, const Part& x) {
+    const Part size = x > -x ? x : -x;
+    largest = size > largest ? size : largest;
+}
+double largest_of(const Part& x) {
+    double largest = 0;
+    for (int l = 0; l < part_lanes; ++l) largest = std::max(largest, x[l]);
+    return largest;
+}
+
+/// The halves of a slice in single precision. Put together and taken apart in registers: through memory, a load would
+/// wait for two stores.
+typedef float Half __attribute__((vector_size(sizeof(float) * part_lanes)));  // NOLINT: `using` takes no attribute
+static_assert(Doubles::Lanes::parts == 2);
+struct Halves {
+    Half half[2];
+    Places::Slice slice() const {
+        return __builtin_shufflevector(half[0], half[1], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    }
+    void take(const Places::Slice& s) {
+        half[0] = __builtin_shufflevector(s, s, 0, 1, 2, 3, 4, 5, 6, 7);
+        half[1] = __builtin_shufflevector(s, s, 8, 9, 10, 11, 12, 13, 14, 15);
+    }
+};
 
 class PreparedSor final : public PreparedContact {
 public:
-    PreparedSor(const Matrix& A, const Matrix& B) : certificate_(A, B), n_(A.rows()) {
-        const SparseMatrix sparse = A.to_sparse();
-        scale_ = A.main_diagonal().cwiseSqrt().cwiseInverse();
-        order_by_colour(sparse);
-        const SparseMatrix scaled = scale_.asDiagonal() * sparse * scale_.asDiagonal();
-        for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
-            const std::vector<Index> rows(order_.begin() + first_[k], order_.begin() + first_[k + 1]);
-            sweep_.emplace_back(scaled, rows, position_, true);
-        }
-        const ConstraintRows rows(B);
-        shared_ = !rows.disjoint();
-        for (Index i = 0; i < rows.rows(); ++i) {
-            unknown_scale_.push_back(1 / scale_[rows.columns(i)[0]]);
-            unknown_.push_back(position_[static_cast<std::size_t>(rows.columns(i)[0])]);
-            weight_.push_back(rows.weights(i)[0]);
-            lower_only_ &= rows.weights(i)[0] > 0;
-        }
-        for (Vector* v : {&x_, &b_, &lower_, &upper_}) v->setZero(padded_size());
-        u_.resize(n_);
-        lambda_.resize(B.rows());
-        // Young's formula, exact for two colours; with more it is a good guess that converges all the same.
-        const double radius = std::min(std::max(1 - scaled_spectrum(A).smallest, 0.0), 0.999999);
-        omega_ = 2 / (1 + std::sqrt(1 - radius * radius));
-    }
+    PreparedSor(const Matrix& A, const Matrix& B) : PreparedSor(A, B, compressed_columns(A.to_sparse())) {}
 
     bool reads_guess() const override { return true; }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
         report.strategy = "colour SOR";
-        for (Index i = 0; i < n_; ++i) {
-            const Index old = order_[static_cast<std::size_t>(i)];
-            x_[place(i)] = point.u[old] * inverse_scale_[i];
-            b_[place(i)] = b[old] * colour_scale_[i];
-        }
-        set_bounds(c);
-        const double scale = std::max(x_.lpNorm<Eigen::Infinity>(), b_.lpNorm<Eigen::Infinity>());
-        const double goal = accuracy * scale;
-        for (report.iterations = 1;; ++report.iterations) {
-            const double change = sweep();
-            if (change <= goal) break;
-            if (report.iterations == sweep_limit || !std::isfinite(change)) {
-                report.outcome = std::isfinite(change) ? Outcome::iteration_limit : Outcome::inaccurate;
+        read(b, c, point.u);
+        for (double before = infinity;;) {
+            const Defect defect = find_defect();
+            if (defect.residual <= accuracy * defect.force) break;
+            // Rounding stops the descent, or nothing does: the certificate tells which.
+            if (report.iterations > 0 && !(defect.residual <= 0.25 * before)) break;
+            if (report.iterations >= sweep_limit) {
+                report.outcome = Outcome::iteration_limit;
                 return report;
             }
+            before = defect.residual;
+            report.iterations += correct(std::max(gain, accuracy * defect.force / defect.residual));
         }
-        for (Index i = 0; i < n_; ++i) u_[order_[static_cast<std::size_t>(i)]] = x_[place(i)] * colour_scale_[i];
-        multipliers(c);
-        const double size = std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>());
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+        certify(report, certificate_, b, c, answer(), multipliers(c), acceptable, largest_u_, point);
         return report;
     }
 
@@ -75,124 +77,215 @@ private:
     static constexpr double accuracy = 5e-13;
     static constexpr double acceptable = 1e-10;
     static constexpr int sweep_limit = 2000;
+    /// What single precision gains on a defect before its rounding shows.
+    static constexpr double gain = 1e-6;
+    static constexpr int phase_limit = 500;
 
-    /// Each colour starts on a whole slice: unknown number i of the colour order lies at place(i).
-    Index place(Index i) const { return place_[static_cast<std::size_t>(i)]; }
-    Index padded_size() const { return padded_ + 2 * padding; }
-
-    void order_by_colour(const SparseMatrix& A) {
-        const auto colour = greedy_colouring(A);
-        const int colours = 1 + *std::max_element(colour.begin(), colour.end());
-        order_.resize(static_cast<std::size_t>(n_));
-        std::iota(order_.begin(), order_.end(), Index{0});
-        std::stable_sort(order_.begin(), order_.end(), [&](Index i, Index j) {
-            return colour[static_cast<std::size_t>(i)] < colour[static_cast<std::size_t>(j)];
+    PreparedSor(const Matrix& A, const Matrix& B, CompressedRows entries)
+        : certificate_(A, B),
+          n_(A.rows()),
+          order_(wave_order(entries)),
+          sweeps_(order_.empty() ? entries : entries = permuted(entries, order_)) {
+        const Index padded = (n_ + lanes - 1) / lanes * lanes;
+        rows_ = Doubles(static_cast<int>(padded), entries.column.size(), [&](int i, const auto& add) {
+            if (i >= entries.rows) return;
+            for (int k = entries.begin(i); k < entries.end(i); ++k) add(entries.column_at(k), entries.value_at(k));
         });
-        first_.assign(static_cast<std::size_t>(colours) + 1, 0);
-        for (const int k : colour) ++first_[static_cast<std::size_t>(k) + 1];
-        std::partial_sum(first_.begin(), first_.end(), first_.begin());
-        position_.resize(static_cast<std::size_t>(n_));
-        place_.resize(static_cast<std::size_t>(n_));
-        colour_scale_.resize(n_);
-        inverse_scale_.resize(n_);
-        Index next = 0;
-        for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
-            start_.push_back(next);
-            for (Index i = first_[k]; i < first_[k + 1]; ++i, ++next) {
-                const Index old = order_[static_cast<std::size_t>(i)];
-                position_[static_cast<std::size_t>(old)] = next;
-                place_[static_cast<std::size_t>(i)] = next + padding;
-                colour_scale_[i] = scale_[old];
-                inverse_scale_[i] = 1 / scale_[old];
-            }
-            next = (next + lanes - 1) / lanes * lanes;
-        }
-        padded_ = next;
+        for (Padded<double>* v : {&u_, &b_, &force_}) v->resize(padded);
+        inverse_.resize(padded);
+        const auto diagonal = diagonal_of(entries);
+        for (Index i = 0; i < n_; ++i) inverse_[i] = static_cast<float>(1 / diagonal[at(i)]);
+        lower_.resize(padded, -infinity);
+        upper_.resize(padded, infinity);
+        read_rows(ConstraintRows(B));
+        lambda_.resize(B.rows());
+        if (!order_.empty()) answer_.resize(n_);
+        // Young's formula, exact for two colours; with more it is a good guess that converges all the same.
+        const double radius = std::min(std::max(1 - scaled_spectrum(A).smallest, 0.0), 0.999999);
+        omega_ = static_cast<float>(2 / (1 + std::sqrt(1 - radius * radius)));
     }
 
-    /// In the scaled unknowns.
+    void read_rows(const ConstraintRows& rows) {
+        std::vector<int> position(at(n_));
+        std::iota(position.begin(), position.end(), 0);
+        for (std::size_t i = 0; i < order_.size(); ++i) position[at(order_[i])] = static_cast<int>(i);
+        shared_ = !rows.disjoint();
+        identity_ = rows.rows() == n_;
+        for (Index i = 0; i < rows.rows(); ++i) {
+            unknown_.push_back(position[at(rows.columns(i)[0])]);
+            weight_.push_back(rows.weights(i)[0]);
+            from_above_ |= weight_.back() < 0;
+            identity_ &= unknown_.back() == i && weight_.back() == 1;
+        }
+    }
+
+    /// Takes the problem over in the order of our rows; u starts within its bounds.
+    void read(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& guess) {
+        // Where the order is the caller's and fills whole slices, operands are read where they are.
+        const bool in_place = order_.empty() && n_ % lanes == 0;
+        const auto ordered = [&](const ConstVectorRef& from, Padded<double>& copy) {
+            if (in_place) return from.data();
+            for (Index i = 0; i < n_; ++i) copy[i] = from[order_.empty() ? i : order_[at(i)]];
+            return static_cast<const double*>(copy.data());
+        };
+        load_ = ordered(b, b_);
+        low_ = in_place && identity_ ? c.data() : lower_.data();
+        if (low_ != c.data()) set_bounds(c);
+        const double* start = ordered(guess, u_);
+        Part size = {};
+        for (Index i = 0; i < padded(); i += part_lanes) {
+            Part u = load(start + i);
+            raise(size, u);
+            const Part low = load(low_ + i);
+            u = u > low ? u : low;
+            if (from_above_) {
+                const Part high = load(upper_.data() + i);
+                u = u < high ? u : high;
+            }
+            store(u_.data() + i, u);
+            raise(size, u);
+        }
+        largest_u_ = largest_of(size);
+        unit_ = largest_u_;
+        if (unit_ == 0)
+            for (Index i = 0; i < n_; ++i)
+                unit_ = std::max(unit_, std::abs(load_[i] * static_cast<double>(inverse_[i])));
+        if (!(unit_ > 0)) unit_ = 1;
+    }
+
     void set_bounds(const ConstVectorRef& c) {
-        lower_.setConstant(-infinity);
-        if (!lower_only_) upper_.setConstant(infinity);
-        const auto rows = unknown_.size();
-        for (std::size_t i = 0; i < rows; ++i) {
-            const Index at = unknown_[i] + padding;
+        std::fill_n(lower_.data(), n_, -infinity);
+        if (from_above_) std::fill_n(upper_.data(), n_, infinity);
+        for (std::size_t i = 0; i < unknown_.size(); ++i) {
             const double bound = bound_of(i, c);
             if (weight_[i] > 0)
-                lower_[at] = std::max(lower_[at], bound);
+                lower_[unknown_[i]] = std::max(lower_[unknown_[i]], bound);
             else
-                upper_[at] = std::min(upper_[at], bound);
+                upper_[unknown_[i]] = std::min(upper_[unknown_[i]], bound);
         }
     }
 
     double bound_of(std::size_t row, const ConstVectorRef& c) const {
-        return c[static_cast<Index>(row)] / weight_[row] * unknown_scale_[row];
+        return c[static_cast<Index>(row)] / weight_[row];
     }
 
-    /// One pass over all colours; returns the largest change of an unknown.
-    double sweep() {
-        using Lanes = SlicedEll::Lanes;
-        Lanes change = {};
-        double* x = x_.data() + padding;
-        for (std::size_t k = 0; k < sweep_.size(); ++k) {
-            const SlicedEll& rows = sweep_[k];
-            const Index slices = rows.slices();
-            for (Index s = 0; s < slices; ++s) {
-                Lanes sum;
-                rows.multiply_slice(s, x, sum);
-                const Index at = start_[k] + s * lanes;
-                const Lanes old = SlicedEll::load(x + at);
-                const Lanes lower = SlicedEll::load(lower_.data() + padding + at);
-                Lanes next = old + omega_ * (SlicedEll::load(b_.data() + padding + at) - sum - old);
-                next = next > lower ? next : lower;
-                if (!lower_only_) {
-                    const Lanes upper = SlicedEll::load(upper_.data() + padding + at);
-                    next = next < upper ? next : upper;
+    /// Max norms: of b - A u where no bound holds it, and of b and A u.
+    struct Defect {
+        double residual, force;
+    };
+
+    /// force_ = A u - b where a bound holds that against it, and what the sweeps take of b - A u: it over the diagonal, and
+    /// the distances to the bounds, both in units of unit_.
+    Defect find_defect() {
+        const Part zero = {};
+        Part residual = {}, force = {};
+        const double scale = 1 / unit_;
+        const Doubles::Reader rows = rows_.reader();
+        for (int s = 0; s < rows_.slices(); ++s) {
+            Doubles::Lanes product;
+            rows.multiply_slice(s, u_.data(), product);
+            Halves r, lower, upper;
+            for (int part = 0; part < Doubles::Lanes::parts; ++part) {
+                const Index i = Index{s} * lanes + part * part_lanes;
+                const Part u = load(u_.data() + i), b = load(load_ + i), below = load(low_ + i) - u;
+                const Part left = b - product.part[part];
+                auto held = (below == zero) & (left < zero);
+                r.half[part] = __builtin_convertvector(left * scale, Half);
+                lower.half[part] = __builtin_convertvector(below * scale, Half);
+                if (from_above_) {
+                    const Part above = load(upper_.data() + i) - u;
+                    held |= (above == zero) & (left > zero);
+                    upper.half[part] = __builtin_convertvector(above * scale, Half);
                 }
-                SlicedEll::store(x + at, next);
-                const Lanes up = next - old, down = old - next;
-                const Lanes step = up > down ? up : down;
-                change = step > change ? step : change;
+                store(force_.data() + i, held ? -left : zero);
+                raise(residual, held ? zero : left);
+                raise(force, b);
+                raise(force, product.part[part]);
+            }
+            const auto inverse = SlicedRows<float>::load_part(inverse_.data() + Index{s} * lanes);
+            sweeps_.places().write(s, r.slice() * inverse, sweeps_.r.data());
+            sweeps_.places().write(s, lower.slice(), sweeps_.lower.data());
+            if (from_above_) sweeps_.places().write(s, upper.slice(), sweeps_.upper.data());
+        }
+        return {largest_of(residual), largest_of(force)};
+    }
+
+    /// Sweeps until the changes have shrunk to `goal` of the first, then u takes the correction; it lies exactly on a
+    /// bound that the correction has reached. Answers the number of sweeps.
+    int correct(double goal) {
+        sweeps_.start_from_zero();
+        const float first = sweeps_.sweep(omega_, from_above_);
+        int done = 1;
+        for (float change = first; done < phase_limit && change > static_cast<float>(goal) * first; ++done)
+            change = sweeps_.sweep(omega_, from_above_);
+        Part size = {};
+        for (int s = 0; s < rows_.slices(); ++s) {
+            Places::Slice d;
+            sweeps_.places().read(s, sweeps_.d.data(), d);
+            Halves change;
+            change.take(d);
+            for (int part = 0; part < Doubles::Lanes::parts; ++part) {
+                const Index i = Index{s} * lanes + part * part_lanes;
+                const Part u = load(u_.data() + i), low = load(low_ + i), scale = unit_ - Part{};
+                const Part step = __builtin_convertvector(change.half[part], Part) * scale;
+                // The sweeps' bound is the rounded distance: half a unit of its last place is no gap.
+                Part next = u + step, nearly = (low - u) * (1 - 1e-7);
+                next = step <= nearly ? low : next;
+                if (from_above_) {
+                    const Part high = load(upper_.data() + i);
+                    nearly = (high - u) * (1 - 1e-7);
+                    next = step >= nearly ? high : next;
+                }
+                store(u_.data() + i, next);
+                raise(size, next);
             }
         }
-        double largest = 0;
-        for (int l = 0; l < lanes; ++l) largest = std::max(largest, change[l]);
-        return largest;
+        largest_u_ = std::max(largest_u_, largest_of(size));
+        return done;
     }
 
-    /// lambda_i = (A u - b) at the unknown, over the weight, where the bound of row i is the one it lies on.
-    void multipliers(const ConstVectorRef& c) {
+    /// lambda_i = force at the unknown, over the weight, where the bound of row i is the one it lies on.
+    Eigen::Map<const Vector> multipliers(const ConstVectorRef& c) {
+        if (identity_) return {force_.data(), n_};
         lambda_.setZero();
-        if (shared_) taken_.assign(static_cast<std::size_t>(padded_), 0);
-        const double* x = x_.data() + padding;
+        if (shared_) taken_.assign(at(n_), 0);
         for (std::size_t i = 0; i < unknown_.size(); ++i) {
-            const Index at = unknown_[i];
-            if (x[at] != bound_of(i, c) || (shared_ && taken_[static_cast<std::size_t>(at)])) continue;
-            const auto k =
-                static_cast<std::size_t>(std::upper_bound(start_.begin(), start_.end(), at) - start_.begin()) - 1;
-            const Index row = at - start_[k];
-            SlicedEll::Lanes sum;
-            sweep_[k].multiply_slice(row / lanes, x, sum);
-            const double force = (sum[row % lanes] + x[at] - b_[at + padding]) * unknown_scale_[i] / weight_[i];
+            const Index k = unknown_[i];
+            if (u_[k] != bound_of(i, c) || (shared_ && taken_[at(k)])) continue;
+            const double force = force_[k] / weight_[i];
             if (force > 0) {
-                if (shared_) taken_[static_cast<std::size_t>(at)] = 1;
+                if (shared_) taken_[at(k)] = 1;
                 lambda_[static_cast<Index>(i)] = force;
             }
         }
+        return {lambda_.data(), lambda_.size()};
     }
 
+    Eigen::Map<const Vector> answer() {
+        if (order_.empty()) return {u_.data(), n_};
+        for (Index i = 0; i < n_; ++i) answer_[order_[at(i)]] = u_[i];
+        return {answer_.data(), n_};
+    }
+
+    Index padded() const { return Index{rows_.slices()} * lanes; }
+
     KktCertificate certificate_;
-    Index n_, padded_ = 0;
-    Vector scale_, colour_scale_, inverse_scale_;
-    std::vector<Index> order_, position_, place_, first_, start_;
-    std::vector<SlicedEll> sweep_;
-    std::vector<Index> unknown_;
-    std::vector<double> weight_, unknown_scale_;
-    bool lower_only_ = true;
-    bool shared_ = false;  // several rows on one unknown: the force goes to one of them
+    Index n_;
+    std::vector<int> order_;  // where the caller's reads badly: old number of each new one
+    ColourSweeps sweeps_;
+    Doubles rows_;
+    std::vector<int> unknown_;
+    std::vector<double> weight_;
+    bool from_above_ = false;  // there are upper bounds
+    bool identity_ = false;    // B
+    bool shared_ = false;      // several rows on one unknown: the force goes to one of them
     std::vector<char> taken_;
-    double omega_ = 1;
-    Vector x_, b_, lower_, upper_, u_, lambda_;
+    float omega_ = 1;
+    double unit_ = 1, largest_u_ = 0;
+    const double *load_ = nullptr, *low_ = nullptr;
+    Padded<double> u_, b_, force_, lower_, upper_;
+    Padded<float> inverse_;  // of the diagonal
+    Vector lambda_, answer_;
 };
 
 }  // namespace

@@ -15,8 +15,8 @@ namespace tact {
 /// Rows in slices of `lanes`. Where the columns of a slice follow each other from lane to lane (meshes numbered along
 /// lines, also colour by colour or by wave fronts) a slot keeps the first one only and reads its operand as one vector;
 /// other slices gather. Operands are padded by `padding` numbers on both sides: a slot may reach past the ends with
-/// zero weight. A sibling of SlicedEll for hierarchies that are built as often as they are used: the pattern is found
-/// in one pass over the entries without sorting, T = float halves the memory that a sweep moves, and slices with equal
+/// zero weight. Made for matrices that are built as often as they are used: the pattern is found in one pass over the
+/// entries without sorting, T = float halves the memory that a sweep moves, and slices with equal
 /// values or equal gathers (relative to their first column) share them, so that a mesh of equal cells stays in cache.
 template <class T> class SlicedRows {
 public:
@@ -47,6 +47,18 @@ public:
         friend Lanes operator*(Lanes a, const Lanes& b) { return a *= b; }
     };
 
+private:
+    struct Slice {
+        std::uint32_t value, column, slots;  // column: in column_, or in gather_
+        int first_column;
+        bool gathers;
+    };
+    struct alignas(64) Values : std::array<T, lanes> {
+        Values() : std::array<T, lanes>{} {}
+    };
+    using Columns = std::array<int, lanes>;
+
+public:
     SlicedRows() = default;
     /// `fill(row, add)` calls add(column, value) for the entries of one row, at most `longest` of them; `rows` is a
     /// multiple of `lanes`.
@@ -86,32 +98,61 @@ public:
     }
     static void store(T* x, const Lanes& v) { std::memcpy(x, &v, sizeof(v)); }
 
-    /// (A x)_l for the rows of one slice, in the precision of the operand; x points at its number 0, padded.
-    template <class X> void multiply_slice(int slice, const X* x, typename SlicedRows<X>::Lanes& sum) const {
-        using Operand = SlicedRows<X>;
-        const Slice& s = slice_[static_cast<std::size_t>(slice)];
-        const Values* value = &value_[s.value];
-        if (!s.gathers) {
-            // Part by part: a running sum of several registers would live in memory.
-            const int* column = &column_[s.column];
-            for (int part = 0; part < Operand::Lanes::parts; ++part) {
-                typename Operand::Lanes::Part total = {};
-                const int lane = part * Operand::Lanes::part_lanes;
-                for (unsigned k = 0; k < s.slots; ++k)
-                    total += part_as<X>(value[k].data() + lane) * Operand::load_part(x + column[k] + lane);
-                sum.part[part] = total;
-            }
-        } else {
-            // Kept a loop, GCC makes gathers of it: three times as fast as loads and inserts.
-            alignas(64) X gathered[lanes] = {};
-            const Columns* column = &gather_[s.column];
-            x += s.first_column;
-            for (unsigned k = 0; k < s.slots; ++k) {
+    /// Reads the rows. A value to be held in a local variable: in a loop that stores, members would be loaded each time.
+    class Reader {
+    public:
+        explicit Reader(const SlicedRows& rows)
+            : slice_(rows.slice_.data()),
+              value_(rows.value_.data()),
+              column_(rows.column_.data()),
+              gather_(rows.gather_.data()) {}
+
+        /// (A x)_l for the rows of one slice, in the precision of the operand; x points at its number 0, padded.
+        template <class X> void multiply_slice(int slice, const X* x, typename SlicedRows<X>::Lanes& sum) const {
+            using Operand = SlicedRows<X>;
+            const Slice& s = slice_[slice];
+            const Values* value = value_ + s.value;
+            if (!s.gathers) {
+                // Part by part: a running sum of several registers would live in memory.
+                const int* column = column_ + s.column;
+                for (int part = 0; part < Operand::Lanes::parts; ++part) {
+                    typename Operand::Lanes::Part even = {}, odd = {};
+                    const int lane = part * Operand::Lanes::part_lanes;
+                    const auto term = [&](unsigned k) {
+                        return part_as<X>(value[k].data() + lane) * Operand::load_part(x + column[k] + lane);
+                    };
+                    unsigned k = 0;
+                    for (; k + 4 <= s.slots; k += 4) {
+                        even += term(k);
+                        odd += term(k + 1);
+                        even += term(k + 2);
+                        odd += term(k + 3);
+                    }
+                    for (; k < s.slots; ++k) even += term(k);
+                    sum.part[part] = even + odd;
+                }
+            } else {
+                // Kept a loop, GCC makes gathers of it: three times as fast as loads and inserts.
+                alignas(64) X gathered[lanes] = {};
+                const Columns* column = gather_ + s.column;
+                x += s.first_column;
+                for (unsigned k = 0; k < s.slots; ++k) {
 #pragma GCC unroll 1
-                for (std::size_t l = 0; l < lanes; ++l) gathered[l] += value[k][l] * x[column[k][l]];
+                    for (std::size_t l = 0; l < lanes; ++l) gathered[l] += value[k][l] * x[column[k][l]];
+                }
+                sum = Operand::load(gathered);
             }
-            sum = Operand::load(gathered);
         }
+
+    private:
+        const Slice* slice_;
+        const Values* value_;
+        const int* column_;
+        const Columns* gather_;
+    };
+    Reader reader() const { return Reader(*this); }
+    template <class X> void multiply_slice(int slice, const X* x, typename SlicedRows<X>::Lanes& sum) const {
+        reader().multiply_slice(slice, x, sum);
     }
 
 private:
@@ -123,19 +164,10 @@ private:
         return __builtin_convertvector(narrow, typename Wide::Part);
     }
 
-    struct Slice {
-        std::uint32_t value, column, slots;  // column: in column_, or in gather_
-        int first_column;
-        bool gathers;
-    };
     struct Entry {
         int column;
         double value;
     };
-    struct alignas(64) Values : std::array<T, lanes> {
-        Values() : std::array<T, lanes>{} {}
-    };
-    using Columns = std::array<int, lanes>;
     /// A gathered slot costs about four runs, whose zeros are cheap to multiply.
     static constexpr std::size_t runs_for_a_gather = 3;
 
