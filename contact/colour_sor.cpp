@@ -87,7 +87,7 @@ private:
           order_(wave_order(entries)),
           sweeps_(order_.empty() ? entries : entries = permuted(entries, order_)) {
         const Index padded = (n_ + lanes - 1) / lanes * lanes;
-        rows_ = Doubles(static_cast<int>(padded), entries.column.size(), [&](int i, const auto& add) {
+        rows_ = Doubles(static_cast<int>(padded), entries.longest_row(), [&](int i, const auto& add) {
             if (i >= entries.rows) return;
             for (int k = entries.begin(i); k < entries.end(i); ++k) add(entries.column_at(k), entries.value_at(k));
         });

@@ -41,7 +41,7 @@ ColourSweeps::ColourSweeps(const CompressedRows& A) {
         unknown[at(place[at(i)])] = i;
     }
     const auto diagonal = diagonal_of(A);
-    couplings_ = SlicedRows<float>(padded, A.column.size(), [&](int to, const auto& add) {
+    couplings_ = SlicedRows<float>(padded, A.longest_row(), [&](int to, const auto& add) {
         const int i = unknown[at(to)];
         if (i < 0) return;
         for (int k = A.begin(i); k < A.end(i); ++k) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
 #include <random>
+#include <vector>
 
 namespace tact {
 namespace {
@@ -55,6 +58,40 @@ TEST(KktResiduals, FollowTheDefinitionForEveryKindOfMatrix) {
         const auto diagonal = kkt_residuals(Matrix::diagonal(d), Matrix::identity(n), b, b, u, u);
         const auto dense = by_definition(d.asDiagonal(), DenseMatrix::Identity(n, n), b, b, u, u);
         EXPECT_NEAR(diagonal.largest(), dense.largest(), 1e-14);
+    }
+}
+
+TEST(KktResiduals, FollowTheDefinitionOnAMeshOfEqualCellsInAnyNumbering) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    constexpr Index side = 37, n = side * side;
+    std::vector<Index> numbers(n);
+    std::iota(numbers.begin(), numbers.end(), Index{0});
+    for (const bool shuffled : {false, true}) {
+        if (shuffled) std::shuffle(numbers.begin(), numbers.end(), random);
+        const auto number = [&](Index i, Index j) { return numbers[static_cast<std::size_t>(i + side * j)]; };
+        DenseMatrix A = DenseMatrix::Zero(n, n), B = DenseMatrix::Zero(n / 2, n);
+        for (Index j = 0; j < side; ++j)
+            for (Index i = 0; i < side; ++i) {
+                A(number(i, j), number(i, j)) = 4;
+                if (i > 0) A(number(i, j), number(i - 1, j)) = -1.5;  // not symmetric
+                if (i + 1 < side) A(number(i, j), number(i + 1, j)) = -1;
+                if (j > 0) A(number(i, j), number(i, j - 1)) = -2;
+                if (j + 1 < side) A(number(i, j), number(i, j + 1)) = -0.5;
+            }
+        for (Index i = 0; i < n / 2; ++i) {  // pairs
+            B(i, numbers[static_cast<std::size_t>(i)]) = 1;
+            B(i, numbers[static_cast<std::size_t>(i + n / 2)]) = -1;
+        }
+        Vector b(n), c(n / 2), u(n), lambda(n / 2);
+        for (Vector* v : {&b, &c, &u, &lambda})
+            for (double& x : *v) x = normal(random);
+        const auto expected = by_definition(A, B, b, c, u, lambda);
+        const auto r = kkt_residuals(Matrix(Matrix(A).to_sparse()), Matrix(Matrix(B).to_sparse()), b, c, u, lambda);
+        EXPECT_NEAR(r.stationarity, expected.stationarity, 1e-14);
+        EXPECT_NEAR(r.penetration, expected.penetration, 1e-14);
+        EXPECT_NEAR(r.negativity, expected.negativity, 1e-14);
+        EXPECT_NEAR(r.complementarity, expected.complementarity, 1e-14);
     }
 }
 
