@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tact/lib/errors.hpp"
+#include "tact/lib/mass_redistribution.hpp"
 #include "tact/lib/scenes/bar.hpp"
 #include "tact/lib/scenes/mass_on_stop.hpp"
 #include "tact/lib/scenes/membrane.hpp"
@@ -25,6 +26,11 @@ StudyScene obstacle(Index n, Motion motion) {
     return {.family = family, .mesh = family->mesh(), .dt = moves ? 0.005 : 0, .t_end = moves ? 2.0 : 0.0};
 }
 
+Scene redistributed(Scene scene) {
+    scene.problem = redistribute_mass(scene.problem);
+    return scene;
+}
+
 /// `at(x, body)` is the BarState at a node, `force` the contact force of the only row.
 template <class At> ExactState at_nodes(const Mesh& mesh, double force, At at) {
     ExactState exact{Vector(mesh.unknowns()), Vector(mesh.unknowns()), Vector::Constant(1, force)};
@@ -37,18 +43,17 @@ template <class At> ExactState at_nodes(const Mesh& mesh, double force, At at) {
     return exact;
 }
 
-StudyScene impact(Index n, const BarImpactData& data, Mass mass) {
-    StudyScene scene = single(bar_impact(n, data, mass), 1e-3, 1.5);
-    if (data.gravity == 0)
-        scene.exact = [mesh = scene.mesh, data](double t) {
-            return at_nodes(mesh, bar_impact_force(data, t),
-                            [&](double x, std::size_t) { return bar_impact_exact(data, x, t); });
-        };
+StudyScene impact(Scene bar) {
+    StudyScene scene = single(std::move(bar), 1e-3, 1.5);
+    scene.exact = [mesh = scene.mesh](double t) {
+        return at_nodes(mesh, bar_impact_force({}, t),
+                        [t](double x, std::size_t) { return bar_impact_exact({}, x, t); });
+    };
     return scene;
 }
 
-StudyScene bouncing(Index n) {
-    StudyScene scene = single(bouncing_bar(n), 1e-3, 6);
+StudyScene bouncing(Scene bar) {
+    StudyScene scene = single(std::move(bar), 1e-3, 6);
     scene.exact = [mesh = scene.mesh](double t) {
         return at_nodes(mesh, bouncing_bar_force(t), [t](double x, std::size_t) { return bouncing_bar_exact(x, t); });
     };
@@ -104,10 +109,12 @@ const std::vector<Entry>& entries() {
         {"two-plates", 100, [](Index n) { return single(two_plates(n), 2e-4, 0.4); }},
         {"mass-on-stop", 1, [](Index) { return bounce({}, 10); }},
         {"mass-on-spring", 1, [](Index) { return bounce({.gravity = 0, .stiffness = 4}, 10); }},
-        {"bar-impact", 100, [](Index n) { return impact(n, {}, Mass::lumped); }},
-        {"bar-impact-consistent", 100, [](Index n) { return impact(n, {}, Mass::consistent); }},
-        {"falling-bar", 100, [](Index n) { return impact(n, {.velocity = 0, .gravity = 10}, Mass::lumped); }},
-        {"bouncing-bar", 100, bouncing},
+        {"bar-impact", 100, [](Index n) { return impact(bar_impact(n)); }},
+        {"bar-impact-consistent", 100, [](Index n) { return impact(bar_impact(n, {}, Mass::consistent)); }},
+        {"bar-impact-redistributed", 100, [](Index n) { return impact(redistributed(bar_impact(n))); }},
+        {"falling-bar", 100, [](Index n) { return single(bar_impact(n, {.velocity = 0, .gravity = 10}), 1e-3, 3); }},
+        {"bouncing-bar", 100, [](Index n) { return bouncing(bouncing_bar(n)); }},
+        {"bouncing-bar-redistributed", 100, [](Index n) { return bouncing(redistributed(bouncing_bar(n))); }},
         {"two-bars", 100, equal_bars},
         {"light-bar-on-heavy-bar", 100, [](Index n) { return collision({.right = {.density = 1e6}}, n); }},
         {"soft-bar-on-stiff-bar", 100, [](Index n) { return collision({.right = {.modulus = 900e9}}, n); }},

@@ -10,6 +10,7 @@
 #include "tact/integrators/bdf2.hpp"
 #include "tact/lib/energy.hpp"
 #include "tact/lib/errors.hpp"
+#include "tact/lib/mass_redistribution.hpp"
 
 namespace tact {
 namespace {
@@ -131,6 +132,33 @@ TEST(BarImpact, ErrorFallsOnRefinement) {
     const double coarse = error(50, 4e-3), fine = error(200, 1e-3);
     EXPECT_LT(fine, coarse / 2);
     EXPECT_LT(fine, 0.02);
+}
+
+TEST(BarImpact, RedistributedMassTouchesOnceAndKeepsTheEnergy) {
+    for (const double gap : {5.0, 4.9937, 4.9971}) {  // wherever in a step the impact falls
+        const ContactProblem problem = redistribute_mass(bar_impact(100, {.gap = gap}).problem);
+        ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+        EnergyLedger ledger(problem);
+        int intervals = 0;
+        bool touching = false;
+        double impulse = 0, late = 0;
+        const Observer observers[] = {ledger.observer(), [&](const State& state, const StepReport&) {
+                                          const bool now = state.lambda[0] > 0;
+                                          intervals += now && !touching;
+                                          touching = now;
+                                          impulse += 1e-3 * state.lambda[0];
+                                          const double since = state.t - gap / 10;
+                                          if (since > 0.1 && since < 0.55)
+                                              late = std::max(late, std::abs(state.lambda[0] - 300));
+                                          return Flow::proceed;
+                                      }};
+        const auto march = integrate(Bdf2{}, problem, TimeGrid::until(1.5, 1e-3), workspace, observers);
+        ASSERT_EQ(march.outcome, Outcome::converged);
+        EXPECT_EQ(intervals, 1);
+        EXPECT_NEAR(impulse, 200, 2);
+        EXPECT_LT(late, 30) << "the force is steady";
+        EXPECT_NEAR(ledger.history().back().mechanical() / 500, 0.99, 0.015);
+    }
 }
 
 TEST(BarImpact, GravityIsTheWeight) {

@@ -1,0 +1,81 @@
+#include "tact/lib/mass_redistribution.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tact/lib/errors.hpp"
+
+namespace tact {
+namespace {
+
+[[noreturn]] void reject(const std::string& what) { throw InputError("redistribute_mass: " + what); }
+
+constexpr Index unreached = -1;
+
+/// Steps through K to the nearest unknown that B does not touch: 0 for those themselves.
+std::vector<Index> steps_to_free(const SparseMatrix& K, const SparseMatrix& B, std::vector<Index>& order) {
+    const Index n = K.cols();
+    std::vector<Index> steps(static_cast<std::size_t>(n), unreached);
+    order.clear();
+    for (Index j = 0; j < n; ++j) {
+        bool touched = false;
+        for (SparseMatrix::InnerIterator it(B, j); it; ++it) touched |= it.value() != 0;
+        if (touched) continue;
+        steps[static_cast<std::size_t>(j)] = 0;
+        order.push_back(j);
+    }
+    if (order.empty() && n > 0) reject("every unknown is in contact, expected some that B does not touch");
+    for (std::size_t next = 0; next < order.size(); ++next)
+        for (SparseMatrix::InnerIterator it(K, order[next]); it; ++it) {
+            Index& level = steps[static_cast<std::size_t>(it.row())];
+            if (level != unreached || it.value() == 0) continue;
+            level = steps[static_cast<std::size_t>(order[next])] + 1;
+            order.push_back(it.row());
+        }
+    return steps;
+}
+
+}  // namespace
+
+ContactProblem redistribute_mass(const ContactProblem& problem, double keep) {
+    if (!problem.M) reject("the problem has no M, expected one that is diagonal");
+    if (!problem.M->diagonal_entries()) reject("M is " + problem.M->shape() + ", expected a diagonal one: lump it");
+    if (!(keep >= 0 && keep <= 1)) reject("keep is " + std::to_string(keep) + ", expected from 0 to 1");
+
+    const SparseMatrix K = problem.K.to_sparse(), B = problem.B.to_sparse();
+    std::vector<Index> order;  // those nearest to the free ones first
+    const std::vector<Index> steps = steps_to_free(K, B, order);
+    const auto alone = std::find(steps.begin(), steps.end(), unreached);
+    if (alone != steps.end())
+        reject("unknown " + std::to_string(alone - steps.begin()) +
+               " is in contact and K leads from it to no unknown that is not, expected that it does");
+
+    // From the farthest unknown on, so that all that passes through one has arrived before it is shared out.
+    Vector mass = *problem.M->diagonal_entries(), moving = Vector::Zero(mass.size());
+    for (const Index i : order) {
+        if (steps[static_cast<std::size_t>(i)] == 0) continue;
+        moving[i] = (1 - keep) * mass[i];
+        mass[i] *= keep;
+    }
+    for (auto at = order.rbegin(); steps[static_cast<std::size_t>(*at)] > 0; ++at) {
+        const Index nearer = steps[static_cast<std::size_t>(*at)] - 1;
+        std::vector<std::pair<Index, double>> neighbours;
+        bool attracted = false;
+        for (SparseMatrix::InnerIterator it(K, *at); it; ++it) {
+            if (steps[static_cast<std::size_t>(it.row())] != nearer || it.value() == 0) continue;
+            neighbours.emplace_back(it.row(), -it.value());
+            attracted |= it.value() < 0;
+        }
+        double total = 0;
+        for (auto& [j, weight] : neighbours) total += weight = attracted ? std::max(weight, 0.0) : std::abs(weight);
+        for (const auto& [j, weight] : neighbours) (nearer == 0 ? mass : moving)[j] += moving[*at] * (weight / total);
+    }
+    ContactProblem result = problem;
+    result.M = Matrix::diagonal(std::move(mass));
+    return result;
+}
+
+}  // namespace tact
