@@ -72,10 +72,11 @@ Json state_json(const CaseOptions& options, const StudyScene& scene, const Conta
         json["step"] = state.step;
     }
     json["active"] = active;
-    json["energy"] = {{"kinetic", energy.kinetic},
-                      {"strain", energy.strain},
-                      {"potential", energy.potential},
-                      {"total", energy.total()}};
+    if (problem.K.is_symmetric())  // else there is none
+        json["energy"] = {{"kinetic", energy.kinetic},
+                          {"strain", energy.strain},
+                          {"potential", energy.potential},
+                          {"total", energy.total()}};
     json["min_u"] = u.minCoeff();
     json["max_u"] = u.maxCoeff();
     json["contact_force"] = state.lambda.sum();

@@ -4,6 +4,7 @@
 
 #include "tact/lib/errors.hpp"
 #include "tact/lib/mass_redistribution.hpp"
+#include "tact/lib/scenes/american_put.hpp"
 #include "tact/lib/scenes/bar.hpp"
 #include "tact/lib/scenes/mass_on_stop.hpp"
 #include "tact/lib/scenes/membrane.hpp"
@@ -119,6 +120,7 @@ const std::vector<Entry>& entries() {
         {"light-bar-on-heavy-bar", 100, [](Index n) { return collision({.right = {.density = 1e6}}, n); }},
         {"soft-bar-on-stiff-bar", 100, [](Index n) { return collision({.right = {.modulus = 900e9}}, n); }},
         {"plucked-string", 100, plucked},
+        {"american-put", 300, [](Index n) { return single(american_put(n), 5e-3, 1); }},
         {"draped-string", 100, draped},
         {"draped-string-at-rest", 100, draped_at_rest},
     };
