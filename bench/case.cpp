@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/methods.hpp"
@@ -133,7 +134,14 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
 
     std::vector<Json> states(steps.size());
     Progress progress(scene.name, static_cast<double>(grid.steps));
+    double impulse = 0, before = grid.t0;
+    long intervals = 0;
+    bool touching = false;
     const auto watch = [&](const State& state, const StepReport& report) {
+        impulse += (state.t - before) * state.lambda.sum();
+        before = state.t;
+        const bool touched = std::exchange(touching, (state.lambda.array() > 0).any());
+        intervals += touching && !touched;
         for (std::size_t k = 0; k < steps.size(); ++k)
             if (steps[k] == state.step) states[k] = state_json(options, scene, problem, state, report.contact.active);
         progress.at(static_cast<double>(state.step));
@@ -148,6 +156,8 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
     json["strategy"] = march.last.contact.strategy;
     json["accepted_steps"] = march.accepted_steps;
     json["first_contact_step"] = march.first_contact_step;
+    json["contact_intervals"] = intervals;
+    json["impulse"] = impulse;
     json["most_active"] = march.most_active;
     json["contact_iterations"] = march.contact_iterations;
     json["kkt"] = kkt_json(march.worst_kkt);

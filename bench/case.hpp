@@ -25,11 +25,12 @@ struct CaseOptions {
 };
 
 /// Runs it: {"scene", "n", "unknowns", "contact_constraints", "gamma", "steps", "outcome", "first_contact_step",
-/// "most_active", "kkt": the worst of each residual, "states": [{"t", "active", "energy", "points", ...}]}. Where a contact
-/// solve does not converge, "failed_step" and "message" say so and the states reached are there. For two plates a point has
-/// the displacement of both, each from its own rest; on the line it has that of each body it lies in. Where the exact motion
-/// is known a state has its "error": the largest of u at a node, the root mean square of v (whose waves are jumps), and that
-/// of the contact force. InputError for a time that is not on the grid.
+/// "contact_intervals": how often contact began, "impulse": of the contact force, "most_active", "kkt": the worst of each
+/// residual, "states": [{"t", "active", "energy" (where K is symmetric), "points", ...}]}. Where a contact solve does not
+/// converge, "failed_step" and "message" say so and the states reached are there. For two plates a point has the
+/// displacement of both, each from its own rest; on the line it has that of each body it lies in. Where the exact motion is
+/// known a state has its "error": the largest of u at a node, the root mean square of v (whose waves are jumps), and that of
+/// the contact force. InputError for a time that is not on the grid.
 Json run_case(const CaseOptions& options);
 
 /// "X1,Y1;X2,Y2", or "X1;X2" on the line (y is NaN). InputError for anything else.

@@ -60,6 +60,8 @@ TEST(Case, BarsOnTheLineAreComparedWithTheirExactMotion) {
     EXPECT_EQ(points[2]["body"], 1);
     EXPECT_LT(json["states"][0]["error"]["u"], 1e-10);
     EXPECT_LT(json["states"][1]["error"]["u"], 0.2);
+    EXPECT_NEAR(json["impulse"], 100, 2) << "the left bar's momentum";
+    EXPECT_GE(json["contact_intervals"], 1);
     EXPECT_THROW(run_case({.scene = "two-bars", .points = {{0, 0}}}), InputError);
     EXPECT_THROW(run_case({.scene = "two-bars", .points = {{11, std::nan("")}}}), InputError);
     EXPECT_THROW(run_case({.scene = "two-plates", .n = 5, .points = {{0.5, std::nan("")}}}), InputError);
