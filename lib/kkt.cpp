@@ -1,6 +1,8 @@
 #include "tact/lib/kkt.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "tact/lib/row_runs.hpp"
@@ -17,31 +19,47 @@ double ratio(double numerator, double denominator) {
     return numerator / denominator;
 }
 
-/// Running max of entries that are not negative; NaN counts as infinity. Eight lanes, so that it vectorises.
-class Largest {
+/// The range of some numbers and zero; a NaN among them makes it infinite.
+class Range {
 public:
-    template <class EntryAt> void take(Index count, EntryAt entry_at) {
-        const Index whole = count / lanes * lanes;
-        for (Index i = 0; i < whole; i += lanes)
-            for (Index l = 0; l < lanes; ++l) raise(entry_at(i + l), l);
-        for (Index i = whole; i < count; ++i) raise(entry_at(i), 0);
-    }
-    double value() const {
-        double largest = 0;
-        for (Index l = 0; l < lanes; ++l) {
-            if (std::isnan(sum_[l])) return infinity;
-            largest = std::max(largest, best_[l]);
+    void take(const double* x, Index count) {
+        Index i = 0;
+        for (; i + 2 * lanes <= count; i += 2 * lanes) {
+            raise(0, x + i, lanes);
+            raise(1, x + i + lanes, lanes);
         }
-        return largest;
+        for (; i < count; i += lanes) raise(0, x + i, std::min(lanes, count - i));
     }
+    double highest() const {
+        return fold(highest_, [](double a, double b) { return std::max(a, b); });
+    }
+    double lowest() const {
+        return -fold(lowest_, [](double a, double b) { return std::max(a, -b); });
+    }
+    double largest() const { return std::max(highest(), -lowest()); }
 
 private:
     static constexpr Index lanes = 8;
-    void raise(double v, Index lane) {
-        best_[lane] = v > best_[lane] ? v : best_[lane];
-        sum_[lane] += v;  // keeps every NaN; a comparison drops it
+    typedef double Lanes __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT: `using` takes no attribute
+
+    void raise(int way, const double* x, Index count) {
+        Lanes v = {};
+        std::memcpy(&v, x, sizeof(double) * static_cast<std::size_t>(count));
+        highest_[way] = v > highest_[way] ? v : highest_[way];
+        lowest_[way] = v < lowest_[way] ? v : lowest_[way];
+        sum_[way] += v;  // keeps every NaN; a comparison drops it
     }
-    double best_[lanes] = {}, sum_[lanes] = {};
+    template <class Larger> double fold(const Lanes (&ways)[2], Larger larger) const {
+        double result = 0;
+        for (const int way : {0, 1})
+            for (Index l = 0; l < lanes; ++l) {
+                if (std::isnan(sum_[way][l])) return infinity;
+                result = larger(result, ways[way][l]);
+            }
+        return result;
+    }
+    // Two ways, because each comparison waits for the one before.
+    Lanes highest_[2] = {}, lowest_[2] = {}, sum_[2] = {};
 };
 
 /// The rows of A in blocks, for A x and |A||x| taken together.
@@ -120,7 +138,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
                                         const ConstVectorRef& lambda) const {
     Work& w = *work_;
     alignas(64) Buffer sum, size;
-    Largest residual, force_scale;
+    Range residual, force_scale;
     for_each_block(w.A.size(), [&](Index block, Index first, Index count) {
         for (Index i = 0; i < count; ++i) {
             sum[i] = -b[first + i];
@@ -128,14 +146,15 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
         }
         w.A.add(block, count, 1, u.data(), sum, size);
         w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
-        residual.take(count, [&](Index i) { return std::abs(sum[i]); });
-        force_scale.take(count, [&](Index i) { return size[i]; });
+        residual.take(sum, count);
+        force_scale.take(size, count);
     });
     KktResiduals kkt;
-    kkt.absolute.stationarity = residual.value();
-    kkt.stationarity = std::isfinite(force_scale.value()) ? ratio(residual.value(), force_scale.value()) : infinity;
+    const double forces = force_scale.highest();
+    kkt.absolute.stationarity = residual.largest();
+    kkt.stationarity = std::isfinite(forces) ? ratio(residual.largest(), forces) : infinity;
 
-    Largest penetration, gap_scale, negativity, multiplier_scale;
+    Range gap, gap_scale, multiplier;
     w.touches.clear();
     for_each_block(w.B.size(), [&](Index block, Index first, Index count) {
         const double* bound = c.data() + first;
@@ -145,30 +164,29 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
             size[i] = std::abs(bound[i]);
         }
         w.B.add(block, count, 1, u.data(), sum, size);
-        penetration.take(count, [&](Index i) { return !(sum[i] >= 0) ? -sum[i] : 0.0; });
-        gap_scale.take(count, [&](Index i) { return bound[i] == -infinity ? 0.0 : size[i]; });
-        negativity.take(count, [&](Index i) { return !(force[i] >= 0) ? -force[i] : 0.0; });
-        Largest multiplier;
-        multiplier.take(count, [&](Index i) { return std::abs(force[i]); });
-        const double largest = multiplier.value();
-        if (largest == 0) return;
-        multiplier_scale.take(1, [largest](Index) { return largest; });
+        for (Index i = 0; i < count; ++i) size[i] = bound[i] == -infinity ? 0.0 : size[i];
+        gap.take(sum, count);
+        gap_scale.take(size, count);
+        Range here;
+        here.take(force, count);
+        if (here.largest() == 0) return;
+        multiplier.take(force, count);
         for (Index i = 0; i < count; ++i)
             if (force[i] != 0) w.touches.push_back({sum[i], force[i]});
     });
-    const double gaps = gap_scale.value(), multipliers = multiplier_scale.value();
-    kkt.absolute.penetration = penetration.value();
-    kkt.absolute.negativity = negativity.value();
-    kkt.penetration = ratio(penetration.value(), gaps);
-    kkt.negativity = ratio(negativity.value(), multipliers);
-    for (const auto& [gap, force] : w.touches) {
-        if (gap == infinity) {
+    const double gaps = gap_scale.highest(), multipliers = multiplier.largest();
+    kkt.absolute.penetration = -gap.lowest();
+    kkt.absolute.negativity = -multiplier.lowest();
+    kkt.penetration = ratio(kkt.absolute.penetration, gaps);
+    kkt.negativity = ratio(kkt.absolute.negativity, multipliers);
+    for (const auto& [opening, force] : w.touches) {
+        if (opening == infinity) {
             // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
             kkt.complementarity = infinity;
         } else if (force > 0 && gaps > 0) {
             const double share = force / multipliers;
-            kkt.complementarity = std::max(kkt.complementarity, std::min(gap / gaps, share));
-            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, gap * share);
+            kkt.complementarity = std::max(kkt.complementarity, std::min(opening / gaps, share));
+            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, opening * share);
         }
     }
     return kkt;

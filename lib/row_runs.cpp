@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 namespace tact {
 namespace {
-
-constexpr Index shortest_run = 8;
 
 /// Whether the entries of two neighbouring rows stand at the same distances from the diagonal.
 bool continues(const SparseMatrix& rows, Index row) {
@@ -17,38 +17,39 @@ bool continues(const SparseMatrix& rows, Index row) {
                       [](long here, long above) { return here == above + 1; });
 }
 
-/// One to four diagonals a pass: each pass loads and stores the sums.
-template <int diagonals, class ValueAt>
-void add_diagonals(Index count, double sign, const double* const* operand, ValueAt value_at, double* __restrict sum,
-                   double* __restrict size) {
-    for (Index i = 0; i < count; ++i) {
-        double total = 0, absolute = 0;
-        for (int k = 0; k < diagonals; ++k) {
-            const double term = value_at(k, i) * operand[k][i];
-            total += term;
-            absolute += std::abs(term);
-        }
-        sum[i] += sign * total;
-        size[i] += absolute;
-    }
-}
+constexpr Index lanes = 8;
+typedef double Lanes __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT: `using` takes no attribute here
+typedef long Bits __attribute__((vector_size(sizeof(double) * lanes)));     // NOLINT
 
+void load(const double* x, Lanes& v) { std::memcpy(&v, x, sizeof(v)); }
+void store(double* x, const Lanes& v) { std::memcpy(x, &v, sizeof(v)); }
+
+/// `value_at(k, i, v)` loads what diagonal k holds in the rows from i on. A run has at least `lanes` rows: the last step
+/// goes back over some that are done and adds nothing to them.
 template <class ValueAt>
 void add_diagonals(std::size_t diagonals, Index count, double sign, const double* x, const Index* distance,
                    ValueAt value_at, double* sum, double* size) {
-    for (std::size_t done = 0; done < diagonals; done += 4) {
-        const double* operand[4] = {};
-        const auto left = std::min<std::size_t>(diagonals - done, 4);
-        for (std::size_t k = 0; k < left; ++k) operand[k] = x + distance[done + k];
-        const auto value = [&](int k, Index i) { return value_at(done + static_cast<std::size_t>(k), i); };
-        if (left == 4)
-            add_diagonals<4>(count, sign, operand, value, sum, size);
-        else if (left == 3)
-            add_diagonals<3>(count, sign, operand, value, sum, size);
-        else if (left == 2)
-            add_diagonals<2>(count, sign, operand, value, sum, size);
-        else
-            add_diagonals<1>(count, sign, operand, value, sum, size);
+    const Bits without_sign = Bits{} + std::numeric_limits<long>::max();
+    const Bits lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    Bits wanted = without_sign | ~without_sign;
+    for (Index i = 0; i < count; i += lanes) {
+        if (i + lanes > count) {
+            wanted = lane >= i + lanes - count;
+            i = count - lanes;
+        }
+        Lanes total = {}, absolute = {}, value, operand;
+        for (std::size_t k = 0; k < diagonals; ++k) {
+            value_at(k, i, value);
+            load(x + distance[k] + i, operand);
+            const Lanes term = value * operand;
+            total += term;
+            absolute += reinterpret_cast<Lanes>(reinterpret_cast<Bits>(term) & without_sign);
+        }
+        Lanes before;
+        load(sum + i, before);
+        store(sum + i, before + sign * reinterpret_cast<Lanes>(reinterpret_cast<Bits>(total) & wanted));
+        load(size + i, before);
+        store(size + i, before + reinterpret_cast<Lanes>(reinterpret_cast<Bits>(absolute) & wanted));
     }
 }
 
@@ -61,7 +62,7 @@ RowRuns::RowRuns(const SparseMatrix& transposed) {
         Index single = block;  // first row not stored yet
         for (Index first = block, next = 0; first < end; first = next) {
             for (next = first + 1; next < end && continues(transposed, next);) ++next;
-            if (next - first < shortest_run) continue;
+            if (next - first < lanes) continue;
             if (first > single) add_single_rows(transposed, single, first - single);
             add_run(transposed, first, next - first);
             single = next;
@@ -102,6 +103,7 @@ void RowRuns::add(Index block, double sign, const double* x, double* sum, double
         const Run& run = runs_[r];
         const double* operand = x + run.first;
         const double* value = value_.data() + run.value;
+        const Index* distance = distance_.data() + run.start;
         double* const s = sum + (run.first - block * block_rows);
         double* const z = size + (run.first - block * block_rows);
         if (run.kind == Kind::single_rows) {
@@ -113,13 +115,13 @@ void RowRuns::add(Index block, double sign, const double* x, double* sum, double
                     z[i] += std::abs(term);
                 }
         } else if (run.kind == Kind::diagonals) {
-            const auto at = [value, count = run.count](std::size_t k, Index i) {
-                return value[static_cast<Index>(k) * count + i];
+            const auto at = [value, count = run.count](std::size_t k, Index i, Lanes& v) {
+                load(value + static_cast<Index>(k) * count + i, v);
             };
-            add_diagonals(run.entries, run.count, sign, operand, distance_.data() + run.start, at, s, z);
+            add_diagonals(run.entries, run.count, sign, operand, distance, at, s, z);
         } else {
-            const auto at = [value](std::size_t k, Index) { return value[k]; };
-            add_diagonals(run.entries, run.count, sign, operand, distance_.data() + run.start, at, s, z);
+            const auto at = [value](std::size_t k, Index, Lanes& v) { v = value[k] - Lanes{}; };
+            add_diagonals(run.entries, run.count, sign, operand, distance, at, s, z);
         }
     }
 }
