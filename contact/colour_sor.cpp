@@ -58,7 +58,7 @@ public:
         report.strategy = "colour SOR";
         read(b, c, point.u);
         for (double before = infinity;;) {
-            const Defect defect = find_defect();
+            const Defect defect = from_above_ ? find_defect<true>() : find_defect<false>();
             if (defect.residual <= accuracy * defect.force) break;
             // Rounding stops the descent, or nothing does: the certificate tells which.
             if (report.iterations > 0 && !(defect.residual <= 0.25 * before)) break;
@@ -67,7 +67,8 @@ public:
                 return report;
             }
             before = defect.residual;
-            report.iterations += correct(std::max(gain, accuracy * defect.force / defect.residual));
+            const double goal = std::max(gain, 8 * accuracy * defect.force / defect.residual);
+            report.iterations += from_above_ ? correct<true>(goal) : correct<false>(goal);
         }
         certify(report, certificate_, b, c, answer(), multipliers(c), acceptable, largest_u_, point);
         return report;
@@ -78,7 +79,7 @@ private:
     static constexpr double acceptable = 1e-10;
     static constexpr int sweep_limit = 2000;
     /// What single precision gains on a defect before its rounding shows.
-    static constexpr double gain = 1e-6;
+    static constexpr double gain = 1e-5;
     static constexpr int phase_limit = 500;
 
     PreparedSor(const Matrix& A, const Matrix& B, CompressedRows entries)
@@ -169,74 +170,80 @@ private:
         return c[static_cast<Index>(row)] / weight_[row];
     }
 
-    /// Max norms: of b - A u where no bound holds it, and of b and A u.
+    /// Max norms: of b - A u where no bound holds it, and of A u.
     struct Defect {
         double residual, force;
     };
 
     /// force_ = A u - b where a bound holds that against it, and what the sweeps take of b - A u: it over the diagonal, and
     /// the distances to the bounds, both in units of unit_.
-    Defect find_defect() {
-        const Part zero = {};
-        Part residual = {}, force = {};
-        const double scale = 1 / unit_;
+    template <bool from_above> Defect find_defect() {
         const Doubles::Reader rows = rows_.reader();
-        for (int s = 0; s < rows_.slices(); ++s) {
+        const Places& places = sweeps_.places();
+        const double *const u = u_.data(), *const b = load_, *const low = low_, *const high = upper_.data();
+        const float* const inverse = inverse_.data();
+        double* const held_force = force_.data();
+        float *const to_r = sweeps_.r.data(), *const to_lower = sweeps_.lower.data();
+        const Part zero = {}, scale = 1 / unit_ - zero;
+        Part largest_residual = {}, largest_force = {};
+        for (int s = 0, slices = rows_.slices(); s < slices; ++s) {
+            const Index first = Index{s} * lanes;
             Doubles::Lanes product;
-            rows.multiply_slice(s, u_.data(), product);
+            rows.multiply_slice(s, u, product);
             Halves r, lower, upper;
             for (int part = 0; part < Doubles::Lanes::parts; ++part) {
-                const Index i = Index{s} * lanes + part * part_lanes;
-                const Part u = load(u_.data() + i), b = load(load_ + i), below = load(low_ + i) - u;
-                const Part left = b - product.part[part];
-                auto held = (below == zero) & (left < zero);
-                r.half[part] = __builtin_convertvector(left * scale, Half);
+                const Index i = first + part * part_lanes;
+                const Part here = load(u + i), below = load(low + i) - here;
+                const Part residual = load(b + i) - product.part[part];
+                auto held = (below == zero) & (residual < zero);
+                r.half[part] = __builtin_convertvector(residual * scale, Half);
                 lower.half[part] = __builtin_convertvector(below * scale, Half);
-                if (from_above_) {
-                    const Part above = load(upper_.data() + i) - u;
-                    held |= (above == zero) & (left > zero);
+                if constexpr (from_above) {
+                    const Part above = load(high + i) - here;
+                    held |= (above == zero) & (residual > zero);
                     upper.half[part] = __builtin_convertvector(above * scale, Half);
                 }
-                store(force_.data() + i, held ? -left : zero);
-                raise(residual, held ? zero : left);
-                raise(force, b);
-                raise(force, product.part[part]);
+                store(held_force + i, held ? -residual : zero);
+                raise(largest_residual, held ? zero : residual);
+                raise(largest_force, product.part[part]);
             }
-            const auto inverse = SlicedRows<float>::load_part(inverse_.data() + Index{s} * lanes);
-            sweeps_.places().write(s, r.slice() * inverse, sweeps_.r.data());
-            sweeps_.places().write(s, lower.slice(), sweeps_.lower.data());
-            if (from_above_) sweeps_.places().write(s, upper.slice(), sweeps_.upper.data());
+            places.write(s, r.slice() * SlicedRows<float>::load_part(inverse + first), to_r);
+            places.write(s, lower.slice(), to_lower);
+            if constexpr (from_above) places.write(s, upper.slice(), sweeps_.upper.data());
         }
-        return {largest_of(residual), largest_of(force)};
+        return {largest_of(largest_residual), largest_of(largest_force)};
     }
 
     /// Sweeps until the changes have shrunk to `goal` of the first, then u takes the correction; it lies exactly on a
     /// bound that the correction has reached. Answers the number of sweeps.
-    int correct(double goal) {
+    template <bool from_above> int correct(double goal) {
         sweeps_.start_from_zero();
-        const float first = sweeps_.sweep(omega_, from_above_);
+        const float first = sweeps_.sweep<from_above>(omega_);
         int done = 1;
         for (float change = first; done < phase_limit && change > static_cast<float>(goal) * first; ++done)
-            change = sweeps_.sweep(omega_, from_above_);
+            change = sweeps_.sweep<from_above>(omega_);
+        const Places& places = sweeps_.places();
+        const double *const low = low_, *const high = upper_.data();
+        const float* const d = sweeps_.d.data();
+        double* const u = u_.data();
+        // The sweeps' bound is the rounded distance: half a unit of its last place is no gap.
+        const Part scale = unit_ - Part{}, nearly = (1 - 1e-7) - Part{};
         Part size = {};
-        for (int s = 0; s < rows_.slices(); ++s) {
-            Places::Slice d;
-            sweeps_.places().read(s, sweeps_.d.data(), d);
+        for (int s = 0, slices = rows_.slices(); s < slices; ++s) {
+            Places::Slice slice;
+            places.read(s, d, slice);
             Halves change;
-            change.take(d);
+            change.take(slice);
             for (int part = 0; part < Doubles::Lanes::parts; ++part) {
                 const Index i = Index{s} * lanes + part * part_lanes;
-                const Part u = load(u_.data() + i), low = load(low_ + i), scale = unit_ - Part{};
+                const Part here = load(u + i), bound = load(low + i);
                 const Part step = __builtin_convertvector(change.half[part], Part) * scale;
-                // The sweeps' bound is the rounded distance: half a unit of its last place is no gap.
-                Part next = u + step, nearly = (low - u) * (1 - 1e-7);
-                next = step <= nearly ? low : next;
-                if (from_above_) {
-                    const Part high = load(upper_.data() + i);
-                    nearly = (high - u) * (1 - 1e-7);
-                    next = step >= nearly ? high : next;
+                Part next = step <= (bound - here) * nearly ? bound : here + step;
+                if constexpr (from_above) {
+                    const Part above = load(high + i);
+                    next = step >= (above - here) * nearly ? above : next;
                 }
-                store(u_.data() + i, next);
+                store(u + i, next);
                 raise(size, next);
             }
         }

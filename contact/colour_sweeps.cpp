@@ -55,10 +55,6 @@ ColourSweeps::ColourSweeps(const CompressedRows& A) {
 
 void ColourSweeps::start_from_zero() { std::fill_n(d.data(), couplings_.slices() * lanes, 0.0F); }
 
-float ColourSweeps::sweep(float omega, bool from_above) {
-    return from_above ? sweep<true>(omega) : sweep<false>(omega);
-}
-
 template <bool from_above> float ColourSweeps::sweep(float omega) {
     using Rows = SlicedRows<float>;
     using Part = Rows::Lanes::Part;
@@ -88,5 +84,8 @@ template <bool from_above> float ColourSweeps::sweep(float omega) {
     for (int l = 0; l < lanes; ++l) largest = std::max(largest, change[l]);
     return largest;
 }
+
+template float ColourSweeps::sweep<false>(float);
+template float ColourSweeps::sweep<true>(float);
 
 }  // namespace tact

@@ -78,12 +78,12 @@ public:
     const Places& places() const { return places_; }
     void start_from_zero();
     /// d_i := min(max(d_i + omega (r - A d)_i, lower_i), upper_i) in turn; returns the largest change of a d_i.
-    float sweep(float omega, bool from_above);
+    /// Without `from_above` there are no upper bounds.
+    template <bool from_above> float sweep(float omega);
 
     Padded<float> r, lower, upper, d;
 
 private:
-    template <bool from_above> float sweep(float omega);
     SlicedRows<float> couplings_;
     Places places_;
 };

@@ -118,17 +118,18 @@ public:
                 for (int part = 0; part < Operand::Lanes::parts; ++part) {
                     typename Operand::Lanes::Part even = {}, odd = {};
                     const int lane = part * Operand::Lanes::part_lanes;
-                    const auto term = [&](unsigned k) {
+                    const auto term = [&](std::size_t k) {
                         return part_as<X>(value[k].data() + lane) * Operand::load_part(x + column[k] + lane);
                     };
-                    unsigned k = 0;
-                    for (; k + 4 <= s.slots; k += 4) {
+                    const std::size_t slots = s.slots;
+                    std::size_t k = 0;
+                    for (; k + 4 <= slots; k += 4) {
                         even += term(k);
                         odd += term(k + 1);
                         even += term(k + 2);
                         odd += term(k + 3);
                     }
-                    for (; k < s.slots; ++k) even += term(k);
+                    for (; k < slots; ++k) even += term(k);
                     sum.part[part] = even + odd;
                 }
             } else {
