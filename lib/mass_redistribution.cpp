@@ -45,7 +45,11 @@ ContactProblem redistribute_mass(const ContactProblem& problem, double keep) {
     if (!problem.M->diagonal_entries()) reject("M is " + problem.M->shape() + ", expected a diagonal one: lump it");
     if (!(keep >= 0 && keep <= 1)) reject("keep is " + std::to_string(keep) + ", expected from 0 to 1");
 
-    const SparseMatrix K = problem.K.to_sparse(), B = problem.B.to_sparse();
+    validate(problem);
+    // Its symmetric part, so that every step towards a free unknown is one that the mass can take.
+    SparseMatrix K = problem.K.to_sparse();
+    K = SparseMatrix(0.5 * (K + SparseMatrix(K.transpose())));
+    const SparseMatrix B = problem.B.to_sparse();
     std::vector<Index> order;  // those nearest to the free ones first
     const std::vector<Index> steps = steps_to_free(K, B, order);
     const auto alone = std::find(steps.begin(), steps.end(), unreached);
@@ -60,7 +64,7 @@ ContactProblem redistribute_mass(const ContactProblem& problem, double keep) {
         moving[i] = (1 - keep) * mass[i];
         mass[i] *= keep;
     }
-    for (auto at = order.rbegin(); steps[static_cast<std::size_t>(*at)] > 0; ++at) {
+    for (auto at = order.rbegin(); at != order.rend() && steps[static_cast<std::size_t>(*at)] > 0; ++at) {
         const Index nearer = steps[static_cast<std::size_t>(*at)] - 1;
         std::vector<std::pair<Index, double>> neighbours;
         bool attracted = false;

@@ -6,7 +6,7 @@
 
 namespace tact {
 
-/// What holds at one point of a continuous body at one time. Where v or the stress jumps, the limit from behind the wave.
+/// What holds at one point of a continuous body at one time. Where v or the stress jumps, before the jump.
 struct BarState {
     double u = 0;       ///< displacement
     double v = 0;       ///< velocity

@@ -69,6 +69,16 @@ TEST(MassRedistribution, SharesFollowTheCoupling) {
     EXPECT_EQ(redistribute_mass(p, 0).M->main_diagonal(), Eigen::Vector4d(0, 2.375, 3.125, 4.5));
 }
 
+TEST(MassRedistribution, AOneSidedCouplingLosesNoMass) {
+    ContactProblem p = chain(3, {0});
+    DenseMatrix K = DenseMatrix::Identity(3, 3);
+    K(0, 2) = -1;  // row 0 feels unknown 2, which does not feel it
+    p.K = Matrix(K);
+    EXPECT_EQ(redistribute_mass(p, 0).M->main_diagonal(), Eigen::Vector3d(0, 2, 4));
+    p.K = Matrix(DenseMatrix(K.transpose()));
+    EXPECT_EQ(redistribute_mass(p, 0).M->main_diagonal(), Eigen::Vector3d(0, 2, 4));
+}
+
 TEST(MassRedistribution, NothingToDoIsFine) {
     EXPECT_EQ(redistribute_mass(chain(4, {})).M->main_diagonal(), Eigen::Vector4d(1, 2, 3, 4));
     EXPECT_EQ(redistribute_mass(chain(4, {1}), 1).M->main_diagonal(), Eigen::Vector4d(1, 2, 3, 4));
@@ -82,6 +92,8 @@ TEST(MassRedistribution, RejectsWhatIsImpossible) {
     p.M = Matrix(DenseMatrix(DenseMatrix::Identity(3, 3)));
     EXPECT_THROW(redistribute_mass(p), InputError);
     p.M.reset();
+    EXPECT_THROW(redistribute_mass(p), InputError);
+    p.M = Matrix::identity(2);
     EXPECT_THROW(redistribute_mass(p), InputError);
     p = chain(3, {0});
     p.K = Matrix::identity(3);
