@@ -25,16 +25,14 @@ void check_exact(const BarImpactData& data) {
 }
 
 void check(const TwoBarsData& data) {
-    const char* object = "TwoBarsData";
-    for (const auto& [name, bar] : {std::pair{"left", data.left}, {"right", data.right}}) {
-        const std::string prefix = std::string(name) + ".";
-        check_elements((object + (": " + prefix)).c_str(), bar.elements);
-        check_data(object, prefix + "length", bar.length, bar.length > 0, "a positive number");
-        check_data(object, prefix + "density", bar.density, bar.density > 0, "a positive number");
-        check_data(object, prefix + "modulus", bar.modulus, bar.modulus > 0, "a positive number");
-        check_data(object, prefix + "velocity", bar.velocity, true, "a finite number");
+    for (const auto& [object, bar] : {std::pair{"TwoBarsData.left", data.left}, {"TwoBarsData.right", data.right}}) {
+        check_elements(object, bar.elements);
+        check_data(object, "length", bar.length, bar.length > 0, "a positive number");
+        check_data(object, "density", bar.density, bar.density > 0, "a positive number");
+        check_data(object, "modulus", bar.modulus, bar.modulus > 0, "a positive number");
+        check_data(object, "velocity", bar.velocity, true, "a finite number");
     }
-    check_data(object, "gap", data.gap, data.gap >= 0, "zero or more");
+    check_data("TwoBarsData", "gap", data.gap, data.gap >= 0, "zero or more");
 }
 
 double travel_time(const Bar& bar) { return bar.length * std::sqrt(bar.density / bar.modulus); }

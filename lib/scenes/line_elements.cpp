@@ -1,6 +1,7 @@
 #include "tact/lib/scenes/line_elements.hpp"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
@@ -47,7 +48,7 @@ SparseMatrix single_row(Index columns, std::initializer_list<std::pair<Index, do
     return row;
 }
 
-void check_data(const char* object, const std::string& field, double value, bool ok, const char* expected) {
+void check_data(const char* object, const char* field, double value, bool ok, const char* expected) {
     if (!std::isfinite(value) || !ok)
         throw InputError(std::string(object) + ": " + field + " is " + std::to_string(value) + ", expected " +
                          expected);

@@ -1,7 +1,8 @@
 // Linear elements on the line: what every one-dimensional scene is assembled from.
 #pragma once
 
-#include <string>
+#include <initializer_list>
+#include <utility>
 
 #include "tact/lib/matrix.hpp"
 
@@ -21,7 +22,7 @@ Matrix mass_matrix(SparseMatrix entries, Mass mass);
 SparseMatrix single_row(Index columns, std::initializer_list<std::pair<Index, double>> entries);
 
 /// InputError "`object`: `field` is `value`, expected `expected`" unless it is finite and `ok`.
-void check_data(const char* object, const std::string& field, double value, bool ok, const char* expected);
+void check_data(const char* object, const char* field, double value, bool ok, const char* expected);
 void check_elements(const char* object, Index elements, Index at_least = 1);
 
 }  // namespace tact
