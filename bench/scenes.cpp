@@ -95,7 +95,14 @@ StudyScene plucked(Index n) {
 }
 
 StudyScene draped(Index n) { return single(draped_string(n, {.damping = 0.5}), 1e-3, 4); }
-StudyScene draped_at_rest(Index n) { return single(draped_string(n, {}, Motion::none), 0, 0); }
+StudyScene draped_at_rest(Index n) {
+    StudyScene scene = single(draped_string(n, {}, Motion::none), 0, 0);
+    scene.exact = [line = scene.mesh.bodies[0].line](double) {
+        return ExactState{line.unaryExpr([](double x) { return draped_string_rest({}, x); }), Vector(),
+                          Vector::Ones(1)};  // of all rows together: the weight
+    };
+    return scene;
+}
 
 struct Entry {
     std::string name;

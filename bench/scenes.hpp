@@ -12,9 +12,11 @@
 
 namespace tact::bench {
 
-/// The exact motion at one time, at the nodes of the scene's mesh.
+/// The exact motion at one time, at the nodes of the scene's mesh. One lambda may stand for the sum over all rows.
 struct ExactState {
-    Vector u, v, lambda;
+    Vector u;
+    Vector v;  ///< empty unless second order in time
+    Vector lambda;
 };
 
 struct StudyScene {

@@ -67,6 +67,13 @@ TEST(Case, BarsOnTheLineAreComparedWithTheirExactMotion) {
     EXPECT_THROW(run_case({.scene = "two-plates", .n = 5, .points = {{0.5, std::nan("")}}}), InputError);
 }
 
+TEST(Case, AStaticSceneIsComparedToo) {
+    const Json error = run_case({.scene = "draped-string-at-rest", .n = 100})["states"][0]["error"];
+    EXPECT_LT(error["u"], 1e-4);
+    EXPECT_EQ(error["v"], 0);
+    EXPECT_NEAR(error["contact_force"], 0, 1e-9);
+}
+
 TEST(Case, EverySceneOfTheListRuns) {
     for (const std::string& name : study_scene_names()) {
         StudyScene scene = study_scene(name, 12);
