@@ -75,9 +75,7 @@ std::unique_ptr<PreparedContact> first_choice(const Matrix& A, const Matrix& B, 
 }  // namespace
 
 std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows())
-        throw InputError("AutomaticContact: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square A and as many columns in B");
+    check_contact_matrices("AutomaticContact", A, B);
     const bool medium = A.rows() <= largest_orthogonal;
     std::vector<Chain::Link> rest;
     if (!A.is_symmetric()) {

@@ -268,9 +268,7 @@ private:
 }  // namespace
 
 std::unique_ptr<PreparedContact> KluActiveSet::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows())
-        throw InputError("KluActiveSet: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square A and as many columns in B");
+    check_contact_matrices("KluActiveSet", A, B);
     return std::make_unique<PreparedKlu>(A, B);
 }
 

@@ -407,7 +407,7 @@ std::unique_ptr<PreparedContact> MultigridActiveSet::prepare(const Matrix& A, co
         throw InputError("MultigridActiveSet: A is " + A.shape() + " and B is " + B.shape() +
                          ", expected a square symmetric A and as many columns in B");
     };
-    if (A.rows() != A.cols() || B.cols() != A.rows()) refuse();
+    check_contact_matrices("MultigridActiveSet", A, B);
     const SparseMatrix copy = A.sparse() ? SparseMatrix() : A.to_sparse();
     CompressedRows rows = compressed_columns(A.sparse() ? *A.sparse() : copy);
     if (!A.is_symmetric()) refuse();

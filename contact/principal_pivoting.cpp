@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tact/contact/lemke.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/klu_solver.hpp"
 
@@ -17,6 +18,8 @@ public:
         : certificate_(A, B), factor_(KluSolver().factorize(A)), rows_(B), W_(B.to_dense().transpose()) {
         factor_->solve(W_);
         S_ = B.times(W_);
+        unit_ = S_.diagonal().unaryExpr([](double s) { return s > 0 ? 1 / std::sqrt(s) : 1.0; });
+        Bt_ = SparseMatrix(B.to_sparse().transpose());
         lambda_.resize(B.rows());
         g_.resize(B.rows());
         allowance_.resize(B.rows());
@@ -37,16 +40,25 @@ public:
             if (c[i] != -infinity) size = std::max(size, own);
             active_[static_cast<std::size_t>(i)] = point.lambda[i] > 0 && c[i] != -infinity;
         }
+        if (!pivot_in_blocks(report) && !pivot_by_lemke(c, report)) return report;
+        u_ = free_ + W_ * lambda_;
+        certify(report, certificate_, b, c, u_, lambda_, 1e-10, size, point);
+        return report;
+    }
+
+private:
+    static constexpr Index largest_tableau = 2000;
+
+    /// Exchanges every wrong row at once while that helps, then the least one; false where a block is singular.
+    bool pivot_in_blocks(ContactReport& report) {
+        const Index m = g_.size();
         Index fewest = m + 1;
         int patience = 3;
         const int limit = 1000 + 20 * static_cast<int>(m);
-        for (report.iterations = 1;; ++report.iterations) {
-            if (report.iterations > limit || !balance()) {
-                report.outcome = report.iterations > limit ? Outcome::iteration_limit : Outcome::cycling;
-                return report;
-            }
+        for (report.iterations = 1; report.iterations <= limit; ++report.iterations) {
+            if (!balance()) return false;
             find_wrong();
-            if (wrong_.empty()) break;
+            if (wrong_.empty()) return true;
             const Index count = static_cast<Index>(wrong_.size());
             if (count < fewest) {
                 fewest = count;
@@ -57,12 +69,48 @@ public:
             if (patience <= 0) wrong_.erase(wrong_.begin() + 1, wrong_.end());  // Murty: the least index alone
             for (const Index i : wrong_) active_[static_cast<std::size_t>(i)] ^= 1;
         }
-        u_ = free_ + W_ * lambda_;
-        certify(report, certificate_, b, c, u_, lambda_, 1e-10, size, point);
-        return report;
+        return false;
     }
 
-private:
+    /// Dependent rows make blocks singular; Lemke's bases avoid them. In units of energy, without the rows that are off.
+    bool pivot_by_lemke(const ConstVectorRef& c, ContactReport& report) {
+        report.fallback = "Lemke";
+        std::vector<Index> on;
+        for (Index i = 0; i < c.size(); ++i)
+            if (c[i] != -infinity) on.push_back(i);
+        if (static_cast<Index>(on.size()) > largest_tableau) {
+            report.outcome = Outcome::cycling;
+            return false;
+        }
+        const DenseMatrix scaled = unit_.asDiagonal() * S_ * unit_.asDiagonal();
+        const LemkeReport end = lemke(scaled(on, on), unit_.cwiseProduct(g_)(on));
+        report.iterations += end.pivots;
+        report.outcome = end.outcome;
+        if (end.outcome == Outcome::infeasible) {
+            Vector y = Vector::Zero(c.size());
+            for (std::size_t k = 0; k < on.size(); ++k) y[on[k]] = end.ray[static_cast<Index>(k)] * unit_[on[k]];
+            if (excludes(y, c))
+                report.infeasibility = y / y.maxCoeff();
+            else
+                report.outcome = Outcome::cycling;
+        }
+        if (end.outcome != Outcome::converged) return false;
+        std::fill(active_.begin(), active_.end(), char{0});
+        for (std::size_t k = 0; k < on.size(); ++k) active_[static_cast<std::size_t>(on[k])] = end.basic[k];
+        if (!balance()) report.outcome = Outcome::cycling;
+        lambda_ = lambda_.cwiseMax(0);
+        return report.outcome == Outcome::converged;
+    }
+
+    /// Whether y >= 0 has B'y = 0 and c'y > 0 beyond rounding.
+    bool excludes(const Vector& y, const ConstVectorRef& c) const {
+        if (!y.allFinite() || !(y.maxCoeff() > 0)) return false;
+        const Vector force = Bt_ * y, size = Bt_.cwiseAbs() * y;
+        if (!(force.array().abs() <= 1e-9 * size.array()).all()) return false;
+        const Vector value = (y.array() > 0).select(y.cwiseProduct(c), 0);
+        return value.sum() > 1e-9 * value.lpNorm<1>();
+    }
+
     /// S(C, C) lambda_C = g_C; false if the block is singular.
     bool balance() {
         rows_in_contact_.clear();
@@ -99,6 +147,8 @@ private:
     std::unique_ptr<const Factor> factor_;
     ConstraintRows rows_;
     DenseMatrix W_, S_;
+    Vector unit_;  // 1/sqrt(S_ii): a row in units of energy
+    SparseMatrix Bt_;
     std::vector<char> active_;
     std::vector<Index> wrong_, rows_in_contact_;
     Vector free_, u_, g_, gap_, allowance_, lambda_;
@@ -107,9 +157,8 @@ private:
 }  // namespace
 
 std::unique_ptr<PreparedContact> PrincipalPivoting::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows() || B.rows() > 6000)
-        throw InputError("PrincipalPivoting: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square A, as many columns in B and at most 6000 rows");
+    check_contact_matrices("PrincipalPivoting", A, B);
+    if (B.rows() > 6000) throw InputError("PrincipalPivoting: B is " + B.shape() + ", expected at most 6000 rows");
     return std::make_unique<PreparedPivoting>(A, B);
 }
 

@@ -190,9 +190,8 @@ private:
 }  // namespace
 
 std::unique_ptr<PreparedContact> ProjectedCg::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows() || !A.is_symmetric())
-        throw InputError("ProjectedCg: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square symmetric A and as many columns in B");
+    check_contact_matrices("ProjectedCg", A, B);
+    if (!A.is_symmetric()) throw InputError("ProjectedCg: A is " + A.shape() + " and not symmetric");
     if (!(A.main_diagonal().array() > 0).all())
         throw InputError("ProjectedCg: A has a diagonal entry <= 0, expected positive definite");
     if (B.rows() > 0 && !ConstraintRows(B).disjoint())

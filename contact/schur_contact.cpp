@@ -209,9 +209,7 @@ SchurContact::SchurContact(SchurOptions options, std::shared_ptr<const LinearSol
     : options_(options), linear_(linear ? std::move(linear) : std::make_shared<CholmodSolver>()) {}
 
 std::unique_ptr<PreparedContact> SchurContact::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows())
-        throw InputError("SchurContact: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square A and as many columns in B");
+    check_contact_matrices("SchurContact", A, B);
     if (!A.is_symmetric())
         throw InputError("SchurContact: A is " + A.shape() + " and not symmetric; use KluActiveSet");
     return std::make_unique<PreparedSchur>(A, B, *linear_, options_);

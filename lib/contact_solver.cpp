@@ -17,6 +17,16 @@ void certify(ContactReport& report, const KktCertificate& certificate, const Con
     point.lambda = lambda;
 }
 
+void check_contact_matrices(std::string_view solver, const Matrix& A, const Matrix& B) {
+    if (A.rows() != A.cols() || B.cols() != A.rows() || A.rows() == 0)
+        throw InputError(std::string(solver) + ": A is " + A.shape() + " and B is " + B.shape() +
+                         ", expected a square A that is not empty and as many columns in B");
+    for (const auto& [name, matrix] : {std::pair("A", &A), std::pair("B", &B)})
+        if (!matrix->all_finite())
+            throw InputError(std::string(solver) + ": " + name +
+                             " has a NaN or infinite entry, expected finite entries");
+}
+
 namespace {
 
 class PreparedLinear final : public PreparedContact {

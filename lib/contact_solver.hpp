@@ -57,6 +57,10 @@ public:
     virtual std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const = 0;
 };
 
+/// What every prepare asks first: A square with at least one unknown, B with as many columns, both finite. InputError in the
+/// name of `solver` otherwise.
+void check_contact_matrices(std::string_view solver, const Matrix& A, const Matrix& B);
+
 class LinearSolver;
 
 /// The solver of a scene without contact: one factor, one solve a stage. InputError if B has rows.

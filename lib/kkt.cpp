@@ -114,7 +114,8 @@ double KktResiduals::largest() const {
 }
 
 bool KktResiduals::within(double tolerance, double gap_size) const {
-    const auto small = [&](double scaled, double gap) { return scaled <= tolerance || gap <= tolerance * gap_size; };
+    constexpr double rounding = 1e-13;
+    const auto small = [&](double scaled, double gap) { return scaled <= tolerance || gap <= rounding * gap_size; };
     return stationarity <= tolerance && negativity <= tolerance && small(penetration, absolute.penetration) &&
            small(complementarity, absolute.complementarity);
 }

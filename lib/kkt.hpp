@@ -31,7 +31,7 @@ struct KktResiduals {
     } absolute;
 
     /// Whether a solve that worked with gaps of this size has reached the tolerance. Where all gaps and displacements of
-    /// the solution vanish the scaled penetration is rounding over rounding: there the gap's own size decides.
+    /// the solution vanish the scaled penetration is rounding over rounding: there 1e-13 of the gaps worked with decides.
     bool within(double tolerance, double gap_size) const;
 };
 

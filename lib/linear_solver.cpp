@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <limits>
 #include <utility>
 
 #include "tact/lib/errors.hpp"
@@ -37,6 +38,13 @@ private:
     Eigen::LLT<DenseMatrix> llt_;
 };
 
+/// Whether no pivot has shrunk to rounding of its diagonal entry: independent of how the unknowns are scaled.
+bool positive_definite(const Eigen::LLT<DenseMatrix>& llt, const DenseMatrix& A) {
+    if (llt.info() != Eigen::Success) return false;
+    const double rounding = static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon();
+    return (llt.matrixLLT().diagonal().array().square() > rounding * A.diagonal().array()).all();
+}
+
 class LuFactor final : public Factor {
 public:
     explicit LuFactor(Eigen::PartialPivLU<DenseMatrix> lu) : lu_(std::move(lu)), work_(lu_.rows()) {}
@@ -64,8 +72,10 @@ std::unique_ptr<const Factor> DenseLinearSolver::factorize(const Matrix& A) cons
     if (!dense) throw InputError("DenseLinearSolver: A is " + A.shape() + ", expected dense or diagonal");
     if (A.is_symmetric()) {
         Eigen::LLT<DenseMatrix> llt(*dense);
-        if (llt.info() == Eigen::Success && (llt.rcond() > 1e-16 || dense->rows() == 0))
-            return std::make_unique<CholeskyFactor>(std::move(llt));
+        if (!positive_definite(llt, *dense))
+            throw NumericalError("DenseLinearSolver: the " + A.shape() +
+                                 " matrix is singular or not positive definite");
+        return std::make_unique<CholeskyFactor>(std::move(llt));
     }
     Eigen::PartialPivLU<DenseMatrix> lu(*dense);
     if (dense->rows() > 0 && !(lu.rcond() > 1e-16))

@@ -24,8 +24,8 @@ public:
     virtual std::unique_ptr<const Factor> factorize(const Matrix& A) const = 0;
 };
 
-/// Eigen's dense and diagonal factors: everything a reduced problem needs. Cholesky if A is symmetric, else LU with
-/// partial pivoting. InputError on a sparse matrix.
+/// Eigen's dense and diagonal factors: everything a reduced problem needs. Cholesky if A is symmetric
+/// (NumericalError unless positive definite to rounding), else LU with partial pivoting. InputError on a sparse matrix.
 class DenseLinearSolver final : public LinearSolver {
 public:
     std::unique_ptr<const Factor> factorize(const Matrix& A) const override;

@@ -40,21 +40,27 @@ void add_transposed_product(const SparseMatrix& A, const ConstVectorRef& x, Vect
     }
 }
 
-double relative(double part, double whole) { return part == 0 ? 0 : part / whole; }
+/// |a - b| by the larger of the two or of what their diagonal entries allow, 0/0 = 0; a NaN counts as infinity.
+struct Asymmetry {
+    explicit Asymmetry(Vector diagonal) : unit(diagonal.cwiseAbs().cwiseSqrt()) {}
+    void add(Index i, Index j, double a, double b) {
+        if (a == b) return;
+        const double share = std::abs(a - b) / std::max({std::abs(a), std::abs(b), unit[i] * unit[j]});
+        largest = share <= largest ? largest : std::isnan(share) ? infinity : share;
+    }
+    Vector unit;
+    double largest = 0;
+};
 
-double largest_of(const SparseMatrix& A) {
-    return A.nonZeros() == 0 ? 0.0 : Eigen::Map<const Vector>(A.valuePtr(), A.nonZeros()).lpNorm<Eigen::Infinity>();
-}
-
-/// max |a_ij - a_ji| of a pattern that is symmetric with sorted columns, negative for any other: one pass. The columns
+/// The asymmetry of a pattern that is symmetric with sorted columns, negative for any other: one pass. The columns
 /// in turn meet the entries above the diagonal of every later column in that column's order, so a cursor each is
 /// enough: a tenth of the cost of a transpose.
-double mirrored_difference(const SparseMatrix& A) {
+double mirrored_asymmetry(const SparseMatrix& A) {
     const auto* outer = A.outerIndexPtr();
     const auto* inner = A.innerIndexPtr();
     const double* value = A.valuePtr();
     std::vector<SparseMatrix::StorageIndex> cursor(outer, outer + A.outerSize());
-    double largest = 0;
+    Asymmetry asymmetry(A.diagonal());
     for (Index j = 0; j < A.outerSize(); ++j) {
         auto k = cursor[static_cast<std::size_t>(j)];
         if (k < outer[j + 1] && inner[k] < j) return -1;
@@ -63,19 +69,29 @@ double mirrored_difference(const SparseMatrix& A) {
             const auto i = inner[k];
             const auto mirror = cursor[static_cast<std::size_t>(i)]++;
             if (i <= j || mirror >= outer[i + 1] || inner[mirror] != j) return -1;
-            largest = std::max(largest, std::abs(value[k] - value[mirror]));
+            asymmetry.add(i, j, value[k], value[mirror]);
         }
     }
-    return largest;
+    return asymmetry.largest;
 }
 
 double asymmetry_of(const SparseMatrix& A) {
-    double difference = mirrored_difference(A);
-    if (difference < 0) {
-        const SparseMatrix transposed = A.transpose();
-        difference = largest_of(A - transposed);
-    }
-    return relative(difference, largest_of(A));
+    const double mirrored = mirrored_asymmetry(A);
+    if (mirrored >= 0) return mirrored;
+    Asymmetry asymmetry(A.diagonal());
+    const SparseMatrix transposed = A.transpose();
+    const SparseMatrix skew = A - transposed;
+    for (Index j = 0; j < skew.outerSize(); ++j)
+        for (SparseMatrix::InnerIterator it(skew, j); it; ++it)
+            if (it.value() != 0) asymmetry.add(it.row(), j, A.coeff(it.row(), j), A.coeff(j, it.row()));
+    return asymmetry.largest;
+}
+
+double asymmetry_of(const DenseMatrix& A) {
+    Asymmetry asymmetry(A.diagonal());
+    for (Index j = 0; j < A.cols(); ++j)
+        for (Index i = 0; i < j; ++i) asymmetry.add(i, j, A(i, j), A(j, i));
+    return asymmetry.largest;
 }
 
 }  // namespace
@@ -197,14 +213,10 @@ bool Matrix::is_symmetric(double tolerance) const {
     if (rows_ != cols_) return false;
     double asymmetry = storage_->asymmetry.load(std::memory_order_relaxed);
     if (asymmetry < 0) {
-        asymmetry = std::visit(Overload{[](const SparseMatrix& A) { return asymmetry_of(A); },
-                                        [](const DenseMatrix& A) {
-                                            return A.size() == 0 ? 0.0
-                                                                 : relative((A - A.transpose()).cwiseAbs().maxCoeff(),
-                                                                            A.cwiseAbs().maxCoeff());
-                                        },
-                                        [](const Diagonal&) { return 0.0; }},
-                               storage_->entries);
+        asymmetry = std::visit(
+            Overload{[](const SparseMatrix& A) { return asymmetry_of(A); },
+                     [](const DenseMatrix& A) { return asymmetry_of(A); }, [](const Diagonal&) { return 0.0; }},
+            storage_->entries);
         storage_->asymmetry.store(asymmetry, std::memory_order_relaxed);
     }
     return asymmetry <= tolerance;

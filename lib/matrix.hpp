@@ -58,7 +58,8 @@ public:
     DenseMatrix to_dense() const;
 
     bool all_finite() const;
-    /// |A - A'| <= tolerance |A| entrywise in max norm. Found out once for all copies.
+/// |A_ij - A_ji| <= tolerance max(|A_ij|, |A_ji|, sqrt|A_ii A_jj|): no large entry excuses another. Found out once for
+    /// all copies.
     bool is_symmetric(double tolerance = 1e-12) const;
     /// "99x99 sparse", for messages.
     std::string shape() const;
@@ -66,7 +67,7 @@ public:
 private:
     struct Storage {
         std::variant<SparseMatrix, DenseMatrix, Diagonal> entries;
-        /// |A - A'| over |A|; negative: nobody has asked yet. Two threads may both find it out: they find the same.
+        /// What is_symmetric compares with its tolerance; negative: nobody has asked yet. Two threads may both find it out: they find the same.
         mutable std::atomic<double> asymmetry = -1;
 
         template <class Entries> explicit Storage(Entries A) : entries(std::move(A)) {}

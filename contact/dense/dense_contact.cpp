@@ -104,10 +104,10 @@ private:
 }  // namespace
 
 std::unique_ptr<PreparedContact> DenseContact::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows())
-        throw InputError("DenseContact: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square A and as many columns in B");
+    check_contact_matrices("DenseContact", A, B);
     if (!A.is_symmetric()) throw InputError("DenseContact: A is " + A.shape() + " and not symmetric");
+    if (const Vector* diagonal = A.diagonal_entries(); diagonal && !(diagonal->minCoeff() > 0))
+        throw NumericalError("DenseContact: A has a diagonal entry <= 0, expected positive definite");
     if (A.sparse()) {
         if (A.rows() > 2000)
             throw InputError("DenseContact: A is " + A.shape() +

@@ -7,7 +7,7 @@ namespace tact {
 
 /// Prepares W = A^-1 B' and S = B W once; a solve is u = A^-1 b, a gap check, and, where rows are violated, the
 /// dual active set from the multipliers it is given. A: symmetric positive definite, dense or diagonal; B: any kind.
-/// InputError for a sparse A with more than 2000 unknowns; NumericalError if A is singular.
+/// InputError for a sparse A with more than 2000 unknowns; NumericalError if A is not.
 class DenseContact final : public ContactSolver {
 public:
     std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;

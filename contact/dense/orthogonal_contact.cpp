@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,14 @@ public:
         bool definite;
         if (A.dense()) {
             dense_.compute(*A.dense());
-            definite = dense_.info() == Eigen::Success && dense_.rcond() > 1e-16;
+            definite = dense_.info() == Eigen::Success &&
+                       pivots_are_sound(dense_.matrixLLT().diagonal(), A.dense()->diagonal());
         } else {
             sparse_.compute(A.to_sparse());
             is_sparse_ = true;
-            definite = sparse_.info() == Eigen::Success;
+            definite =
+                sparse_.info() == Eigen::Success && pivots_are_sound(SparseMatrix(sparse_.matrixL()).diagonal(),
+                                                                     sparse_.permutationP() * A.main_diagonal());
         }
         if (!definite)
             throw NumericalError("OrthogonalContact: A is " + A.shape() + " and not positive definite to rounding");
@@ -42,6 +46,11 @@ public:
     }
 
 private:
+    /// None has shrunk to rounding of its diagonal entry, however the unknowns are scaled.
+    static bool pivots_are_sound(const Vector& pivots, const Vector& diagonal) {
+        const double rounding = static_cast<double>(pivots.size()) * std::numeric_limits<double>::epsilon();
+        return (pivots.array().square() > rounding * diagonal.array()).all();
+    }
     bool is_sparse_ = false;
     Eigen::LLT<DenseMatrix> dense_;
     Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<long>> sparse_;
@@ -187,7 +196,7 @@ private:
         root_.upper(u_);
         size_ = u_.cwiseAbs();
         // u carries rounding of its largest entry everywhere, also where it is small.
-        const double noise = 4e-15 * size_.maxCoeff();
+        const double noise = 4e-15 * size_.lpNorm<Eigen::Infinity>();
         Index worst = -1;
         double depth = 0;
         for (Index i = 0; i < c.size(); ++i) {
@@ -285,9 +294,7 @@ private:
 }  // namespace
 
 std::unique_ptr<PreparedContact> OrthogonalContact::prepare(const Matrix& A, const Matrix& B) const {
-    if (A.rows() != A.cols() || B.cols() != A.rows())
-        throw InputError("OrthogonalContact: A is " + A.shape() + " and B is " + B.shape() +
-                         ", expected a square A and as many columns in B");
+    check_contact_matrices("OrthogonalContact", A, B);
     if (!A.is_symmetric()) throw InputError("OrthogonalContact: A is " + A.shape() + " and not symmetric");
     return std::make_unique<PreparedOrthogonal>(A, B);
 }

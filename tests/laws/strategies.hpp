@@ -1,0 +1,54 @@
+// Every contact strategy with what it takes: what the laws, the generated programmes and the fuzzer run over.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/colour_sor.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/multigrid_active_set.hpp"
+#include "tact/contact/principal_pivoting.hpp"
+#include "tact/contact/projected_cg.hpp"
+#include "tact/contact/schur_contact.hpp"
+#include "tact/tests/laws/quadratic_programs.hpp"
+
+namespace tact::laws {
+
+struct Strategy {
+    const char* name;
+    std::shared_ptr<const ContactSolver> solver;
+    std::vector<Rows> takes;
+    bool always_ends;  // a plain active set may come back to a set, and then says so
+    bool unsymmetric = false;
+};
+
+inline std::vector<Strategy> strategies() {
+    const std::vector<Rows> all{Rows::bounds, Rows::pairs, Rows::general};
+    return {{"KluActiveSet", std::make_shared<KluActiveSet>(), all, false, true},
+            {"SchurContact", std::make_shared<SchurContact>(), all, true},
+            {"DenseContact", std::make_shared<DenseContact>(), all, true},
+            {"OrthogonalContact", std::make_shared<OrthogonalContact>(), all, true},
+            {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
+            {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
+            {"MultigridActiveSet", std::make_shared<MultigridActiveSet>(), {Rows::bounds}, false},
+            {"PrincipalPivoting", std::make_shared<PrincipalPivoting>(), all, true, true},
+            {"AutomaticContact", std::make_shared<AutomaticContact>(), all, true, true}};
+}
+
+struct Solved {
+    ContactReport report;
+    Vector u, lambda;
+};
+
+/// From u = 0 and this guess of lambda.
+inline Solved solve(const ContactSolver& solver, const Matrix& A, const Matrix& B, const Vector& b, const Vector& c,
+                    const Vector& guess) {
+    Solved s{{}, Vector::Zero(A.rows()), guess};
+    s.report = solver.prepare(A, B)->solve(b, c, {s.u, s.lambda});
+    return s;
+}
+
+}  // namespace tact::laws
