@@ -6,6 +6,7 @@
 #include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/interior_point.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/projected_cg.hpp"
@@ -68,6 +69,8 @@ std::unique_ptr<PreparedContact> first_choice(const Matrix& A, const Matrix& B, 
         const ContactSolver& solver = rows.bounds() ? static_cast<const ContactSolver&>(sor) : cg;
         return solver.prepare(A, B);
     }
+    if (!rows.bounds() && !rows.disjoint() && 4 * B.rows() >= A.rows() && (A.main_diagonal().array() > 0).all())
+        return InteriorPoint().prepare(A, B);
     schur = true;
     return SchurContact().prepare(A, B);
 }

@@ -10,6 +10,7 @@ namespace tact {
 ///   A unsymmetric                                            -> KluActiveSet, then PrincipalPivoting
 ///   condition estimate <= 20 and bounds                      -> ColourSor
 ///   condition estimate <= 20 and rows that do not overlap    -> ProjectedCg
+///   overlapping rows, at least a quarter as many as unknowns -> InteriorPoint
 ///   else                                                     -> SchurContact
 /// A that is singular or indefinite to rounding     -> ProximalContact around SchurContact (or OrthogonalContact)
 /// A strategy that ends without a solution is followed by SchurContact and, up to 4000 unknowns, by OrthogonalContact, which

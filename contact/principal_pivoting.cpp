@@ -15,7 +15,7 @@ namespace {
 class PreparedPivoting final : public PreparedContact {
 public:
     PreparedPivoting(const Matrix& A, const Matrix& B)
-        : certificate_(A, B), factor_(KluSolver().factorize(A)), rows_(B), W_(B.to_dense().transpose()) {
+        : A_(A), certificate_(A, B), factor_(KluSolver().factorize(A)), rows_(B), W_(B.to_dense().transpose()) {
         factor_->solve(W_);
         S_ = B.times(W_);
         unit_ = S_.diagonal().unaryExpr([](double s) { return s > 0 ? 1 / std::sqrt(s) : 1.0; });
@@ -42,7 +42,9 @@ public:
         }
         if (!pivot_in_blocks(report) && !pivot_by_lemke(c, report)) return report;
         u_ = free_ + W_ * lambda_;
-        certify(report, certificate_, b, c, u_, lambda_, 1e-10, size, point);
+        // Twice: the gaps of the free solution were rounded by its size, not by that of u.
+        for (int round = 0; round < 2; ++round) refine(b, c);
+        certify(report, certificate_, b, c, u_, lambda_, 1e-10, 1e-3 * size, point);
         return report;
     }
 
@@ -126,11 +128,33 @@ private:
             right[j] = g_[row(j)];
             for (Index i = 0; i < k; ++i) block(i, j) = S_(row(i), row(j));
         }
-        const Eigen::PartialPivLU<DenseMatrix> lu(block);
-        if (!(lu.rcond() > 1e-15)) return false;
-        right = lu.solve(right).eval();
+        lu_.compute(block);
+        if (!(lu_.rcond() > 1e-15)) return false;
+        right = lu_.solve(right).eval();
         for (Index j = 0; j < k; ++j) lambda_[row(j)] = right[j];
         return lambda_.allFinite();
+    }
+
+    /// One step of iterative refinement on the rows in contact, from the data's own residuals.
+    void refine(const ConstVectorRef& b, const ConstVectorRef& c) {
+        Vector residual = b;
+        A_.multiply(u_, residual, -1, 1);
+        residual += Bt_ * lambda_;
+        factor_->solve(residual);
+        const Index k = static_cast<Index>(rows_in_contact_.size());
+        Vector right(k);
+        for (Index j = 0; j < k; ++j) {
+            const Index row = rows_in_contact_[static_cast<std::size_t>(j)];
+            right[j] = c[row] - rows_.gather(row, u_.data()) - rows_.gather(row, residual.data());
+        }
+        if (k > 0) right = lu_.solve(right).eval();
+        if (!right.allFinite() || !residual.allFinite()) return;
+        u_ += residual;
+        for (Index j = 0; j < k; ++j) {
+            const Index row = rows_in_contact_[static_cast<std::size_t>(j)];
+            u_ += right[j] * W_.col(row);
+            lambda_[row] = std::max(lambda_[row] + right[j], 0.0);
+        }
     }
 
     /// Rows with a negative multiplier, or violated without one, in ascending order.
@@ -143,8 +167,10 @@ private:
         }
     }
 
+    Matrix A_;
     KktCertificate certificate_;
     std::unique_ptr<const Factor> factor_;
+    Eigen::PartialPivLU<DenseMatrix> lu_;  // of the last balance
     ConstraintRows rows_;
     DenseMatrix W_, S_;
     Vector unit_;  // 1/sqrt(S_ii): a row in units of energy
