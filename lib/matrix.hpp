@@ -58,7 +58,7 @@ public:
     DenseMatrix to_dense() const;
 
     bool all_finite() const;
-/// |A_ij - A_ji| <= tolerance max(|A_ij|, |A_ji|, sqrt|A_ii A_jj|): no large entry excuses another. Found out once for
+    /// |A_ij - A_ji| <= tolerance max(|A_ij|, |A_ji|, sqrt|A_ii A_jj|): no large entry excuses another. Found out once for
     /// all copies.
     bool is_symmetric(double tolerance = 1e-12) const;
     /// "99x99 sparse", for messages.
