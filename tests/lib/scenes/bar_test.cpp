@@ -61,6 +61,11 @@ TEST(BarImpact, ExactMotionIsTheWaveEquations) {
     const Motion1D motion{[&](double x, double t) { return bar_impact_exact(data, x, t); }, 1, 900};
     EXPECT_GT(expect_wave_equation(motion, 0, 10, 2, 1e-6), 2000);
     expect_jumps(motion, 0, 10, 2, 1e-9);
+    const BarImpactData heavy{.length = 4, .density = 2, .modulus = 50, .velocity = -3, .gap = 1};
+    const Motion1D other{[&](double x, double t) { return bar_impact_exact(heavy, x, t); }, 2, 50};
+    EXPECT_GT(expect_wave_equation(other, 0, 4, 3, 1e-7), 2000);
+    expect_jumps(other, 0, 4, 3, 1e-9);
+    EXPECT_DOUBLE_EQ(bar_impact_force(heavy, 1), 30);
     for (const double t : {0.3, 0.7, 0.9, 1.1, 1.5}) {
         EXPECT_NEAR(bar_impact_exact(data, 10, t).stress, 0, 0) << "the far end is free";
         EXPECT_EQ(-bar_impact_exact(data, 0, t).stress, bar_impact_force(data, t));
@@ -226,6 +231,14 @@ TEST(TwoBars, UnequalBarsLeaveAsTwoElasticBalls) {
     data.left = {.length = 10, .density = 4, .modulus = 400, .velocity = 3};
     data.right = {.length = 20, .density = 1, .modulus = 400, .velocity = -2};
     data.gap = 1;
+    const Motion1D left{[&](double x, double t) { return two_bars_exact(data, x, t, 0); }, 4, 400};
+    const Motion1D right{[&](double x, double t) { return two_bars_exact(data, x, t, 1); }, 1, 400};
+    EXPECT_GT(expect_wave_equation(left, -10, 0, 4, 1e-7), 2000);
+    EXPECT_GT(expect_wave_equation(right, 0, 20, 4, 1e-7), 2000);
+    expect_jumps(left, -10, 0, 4, 1e-9);
+    expect_jumps(right, 0, 20, 4, 1e-9);
+    for (const double t : {0.1, 0.7, 1.5, 2.1})
+        EXPECT_NEAR(left.at(0, t).stress, right.at(0, t).stress, 1e-12) << "action and reaction";
     const double m1 = 40, m2 = 20;
     EXPECT_NEAR(two_bars_exact(data, -4, 9, 0).v, (m1 * 3 - m2 * 2 - m2 * 5) / (m1 + m2), 1e-13);
     EXPECT_NEAR(two_bars_exact(data, 4, 9, 1).v, (m1 * 3 - m2 * 2 + m1 * 5) / (m1 + m2), 1e-13);
