@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tact/lib/errors.hpp"
 #include "tact/lib/sparse/supernodal_factor.hpp"
@@ -91,21 +92,45 @@ public:
 
     Index size() const override { return blocks_ * n_; }
 
+    /// The blocks of a column are right-hand sides of one factor. Those that repeat one before up to sign (forces between
+    /// equal bodies) are solved once, those without an entry not at all.
     void solve(Eigen::Ref<DenseMatrix> B) const override {
-        if (blocks_ == 1) {
-            factor_.solve(B.data(), B.outerStride(), B.cols());
-        } else if (B.outerStride() == B.rows() || B.cols() == 1) {
-            // blocks side by side are the columns of one right-hand side
-            factor_.solve(B.data(), n_, blocks_ * B.cols());
-        } else {
-            for (Index j = 0; j < B.cols(); ++j) factor_.solve(B.col(j).data(), n_, blocks_);
+        columns_.clear();
+        repeated_.clear();
+        for (Index j = 0; j < B.cols(); ++j) {
+            const auto first = columns_.size();
+            for (Index block = 0; block < blocks_; ++block) {
+                double* x = B.col(j).data() + block * n_;
+                if (blocks_ == 1 || !repeats_one_of(first, x)) columns_.push_back(x);
+            }
         }
+        factor_.solve(columns_);
+        for (const auto& [x, from, sign] : repeated_)
+            for (Index i = 0; i < n_; ++i) x[i] = sign * from[i];
     }
 
 private:
+    bool repeats_one_of(std::size_t first, double* x) const {
+        if (std::all_of(x, x + n_, [](double entry) { return entry == 0; })) return true;
+        for (auto k = first; k < columns_.size(); ++k)
+            for (const double sign : {1.0, -1.0})
+                if (std::equal(x, x + n_, columns_[k], [sign](double a, double b) { return a == sign * b; })) {
+                    repeated_.push_back({x, columns_[k], sign});
+                    return true;
+                }
+        return false;
+    }
+
+    struct Repeated {
+        double* x;
+        const double* from;
+        double sign;
+    };
     Index blocks_;
     Index n_;
     SupernodalFactor factor_;
+    mutable std::vector<double*> columns_;
+    mutable std::vector<Repeated> repeated_;
 };
 
 bool repeats(const SparseMatrix& A, Index size, Index count) {

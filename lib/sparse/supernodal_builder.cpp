@@ -43,6 +43,7 @@ public:
         for (auto b = node.blocks_begin; b < node.blocks_end; ++b)
             store_block_band(out_.blocks_[static_cast<std::size_t>(b)]);
         node.bands_begin = static_cast<std::int32_t>(out_.bands_.size());
+        node.rows_begin = static_cast<std::int32_t>(out_.rows_.size());
         store_bands(L_.rows + L_.row_begin[s]);
         node.bands_end = static_cast<std::int32_t>(out_.bands_.size());
         node.values_end = node.values_begin + static_cast<std::int64_t>(band_values_.size());

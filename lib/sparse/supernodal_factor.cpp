@@ -165,13 +165,14 @@ void finish_block(const double* inverse, int width, const double* sums, double* 
 
 template <int columns> void SupernodalFactor::forward(double* w) const {
     const double* values = values_.front().entries;
-    const std::int32_t* rows = rows_.data();
-    const Band* band = bands_.data();
-    const Band* block_band = block_bands_.data();
-    const DiagonalBlock* block = blocks_.data();
     for (const Supernode& node : supernodes_) {
-        const double* U = values + node.values_begin;
         double* x = w + node.first * columns;
+        if (std::all_of(x, x + node.width * columns, [](double entry) { return entry == 0; })) continue;
+        const double* U = values + node.values_begin;
+        const std::int32_t* rows = rows_.data() + node.rows_begin;
+        const Band* band = bands_.data() + node.bands_begin;
+        const Band* block_band = block_bands_.data() + node.blocks_begin;
+        const DiagonalBlock* block = blocks_.data() + node.blocks_begin;
         for (const DiagonalBlock* end = blocks_.data() + node.blocks_end; block != end; ++block, ++block_band) {
             const Index count = block->first - block_band->first_column;
             if (count == 0) continue;
@@ -243,40 +244,41 @@ template <int columns> void SupernodalFactor::backward(double* w, double* sums) 
     }
 }
 
-template <int columns> void SupernodalFactor::solve_chunk(double* B, Index leading, Index used) const {
+template <int columns> void SupernodalFactor::solve_chunk(std::span<double* const> x) const {
     // Rows n .. n+7 stand for the rows that fill up bands: they stay zero.
     const auto lines = static_cast<std::size_t>((n_ + widest) * columns + 7) / 8;
     if (work_.size() < lines) work_.resize(lines);
     const auto sums = static_cast<std::size_t>((widest_supernode_ + widest) * numbers_in_sum(columns) + 7) / 8;
     if (sums_.size() < sums) sums_.resize(sums);
     double* w = work_.front().entries;
+    if (x.size() < columns) std::fill_n(w, n_ * columns, 0.0);
     for (Index i = 0; i < n_; ++i) {
         double* to = w + row_of_[static_cast<std::size_t>(i)] * columns;
-        for (Index k = 0; k < columns; ++k) to[k] = k < used ? B[i + k * leading] : 0;
+        for (std::size_t k = 0; k < x.size(); ++k) to[k] = x[k][i];
     }
     std::fill_n(w + n_ * columns, widest * columns, 0.0);
     forward<columns>(w);
     backward<columns>(w, sums_.front().entries);
     for (Index i = 0; i < n_; ++i) {
         const double* from = w + row_of_[static_cast<std::size_t>(i)] * columns;
-        for (Index k = 0; k < used; ++k) B[i + k * leading] = from[k];
+        for (std::size_t k = 0; k < x.size(); ++k) x[k][i] = from[k];
     }
 }
 
-void SupernodalFactor::solve(double* B, Index leading, Index columns) const {
-    for (Index done = 0, used = 0; done < columns; done += used) {
-        used = std::min<Index>(columns - done, 16);
-        double* chunk = B + done * leading;
-        if (used > 8)
-            solve_chunk<16>(chunk, leading, used);
-        else if (used > 4)
-            solve_chunk<8>(chunk, leading, used);
-        else if (used > 2)
-            solve_chunk<4>(chunk, leading, used);
-        else if (used == 2)
-            solve_chunk<2>(chunk, leading, used);
+void SupernodalFactor::solve(std::span<double* const> columns) const {
+    while (!columns.empty()) {
+        const auto chunk = columns.first(std::min<std::size_t>(columns.size(), 16));
+        columns = columns.subspan(chunk.size());
+        if (chunk.size() > 8)
+            solve_chunk<16>(chunk);
+        else if (chunk.size() > 4)
+            solve_chunk<8>(chunk);
+        else if (chunk.size() > 2)
+            solve_chunk<4>(chunk);
+        else if (chunk.size() == 2)
+            solve_chunk<2>(chunk);
         else
-            solve_chunk<1>(chunk, leading, used);
+            solve_chunk<1>(chunk);
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tact/lib/types.hpp"
@@ -33,8 +34,9 @@ public:
     explicit SupernodalFactor(const SupernodalCholesky& L);
 
     Index size() const { return n_; }
-    /// B := A^-1 B; column j starts at B + j * leading. Sixteen columns are solved together.
-    void solve(double* B, Index leading, Index columns) const;
+    /// x := A^-1 x for each column x. Sixteen are solved together; where all of them are still zero the forward pass has
+    /// nothing to do (columns of a unit matrix, forces at a few nodes).
+    void solve(std::span<double* const> columns) const;
 
 private:
     static constexpr int widest = 8;  ///< columns of a diagonal block, rows of a band
@@ -53,6 +55,7 @@ private:
         std::int32_t first, width;
         std::int32_t blocks_begin, blocks_end;  ///< diagonal blocks; each has a band, of its own rows
         std::int32_t bands_begin, bands_end;    ///< bands of the rows below
+        std::int32_t rows_begin;                ///< of the bands, in rows_
         std::int64_t values_begin, values_end;
     };
     struct alignas(64) Line {
@@ -60,7 +63,7 @@ private:
     };
     class Builder;
 
-    template <int columns> void solve_chunk(double* B, Index leading, Index used) const;
+    template <int columns> void solve_chunk(std::span<double* const> x) const;
     template <int columns> void forward(double* w) const;
     template <int columns> void backward(double* w, double* sums) const;
 
