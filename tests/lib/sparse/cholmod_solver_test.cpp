@@ -153,6 +153,35 @@ TEST(CholmodSolver, EqualBlocksAreFoundAndSolvedTogether) {
     EXPECT_EQ(identical_blocks(laplacian(8)), 1);
 }
 
+TEST(CholmodSolver, BlocksThatRepeatUpToSignOrAreZeroAgreeWithSimplicialLDLT) {
+    const SparseMatrix A = repeated(laplacian(11), 3);
+    const Index n = A.rows() / 3;
+    const DenseMatrix B0 = random_columns(n, 2, 5);
+    const Vector a = B0.col(0), b = B0.col(1), zero = Vector::Zero(n);
+    Vector nearly = a;
+    nearly[n - 1] += 1e-3;
+    DenseMatrix B(3 * n, 6);
+    B.col(0) << a, -a, a;
+    B.col(1) << a, b, -b;
+    B.col(2) << zero, zero, zero;
+    B.col(3) << zero, b, zero;
+    B.col(4) << a, nearly, -nearly;
+    B.col(5) << b, zero, b;
+    const DenseMatrix X = solved(A, B);
+    EXPECT_LT(difference(X, solved_by_eigen(A, B)), 1e-13);
+    EXPECT_EQ(X.col(0).segment(n, n), -X.col(0).head(n));
+    EXPECT_EQ(X.col(2), Vector::Zero(3 * n));
+}
+
+TEST(CholmodSolver, ColumnsOfTheUnitMatrixAgreeWithSimplicialLDLT) {
+    const SparseMatrix A = laplacian(17);
+    for (const Index columns : {1, 2, 3, 8, 16, 40}) {
+        DenseMatrix B = DenseMatrix::Zero(A.rows(), columns);
+        for (Index j = 0; j < columns; ++j) B((j * 37) % A.rows(), j) = 1;
+        EXPECT_LT(difference(solved(A, B), solved_by_eigen(A, B)), 1e-13);
+    }
+}
+
 TEST(CholmodSolver, DenseAndDiagonalMatricesAreTaken) {
     const SparseMatrix A = random_spd(12, 2, 1, 3);
     DenseMatrix X = random_columns(12, 2, 4);
