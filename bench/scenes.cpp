@@ -9,6 +9,7 @@
 #include "tact/lib/scenes/mass_on_stop.hpp"
 #include "tact/lib/scenes/membrane.hpp"
 #include "tact/lib/scenes/plates.hpp"
+#include "tact/lib/scenes/pressed_membrane.hpp"
 #include "tact/lib/scenes/string.hpp"
 
 namespace tact::bench {
@@ -130,6 +131,7 @@ const std::vector<Entry>& entries() {
         {"american-put", 300, [](Index n) { return single(american_put(n), 5e-3, 1); }},
         {"draped-string", 100, draped},
         {"draped-string-at-rest", 100, draped_at_rest},
+        {"pressed-membrane", 60, [](Index n) { return single(pressed_membrane(n), 0, 0); }},
     };
     return all;
 }

@@ -74,6 +74,16 @@ TEST(Case, AStaticSceneIsComparedToo) {
     EXPECT_NEAR(error["contact_force"], 0, 1e-9);
 }
 
+TEST(Case, ASlowLoadHasEquilibriaAtTheTimesAskedFor) {
+    const Json json = run_case({.scene = "pressed-membrane", .n = 20, .at = {0, 0.5}});
+    EXPECT_EQ(json["outcome"], "converged");
+    ASSERT_EQ(json["states"].size(), 2u);
+    EXPECT_EQ(json["states"][0]["active"], 0);
+    EXPECT_GT(json["states"][1]["active"], 0);
+    EXPECT_EQ(json["states"][1]["t"], 0.5);
+    EXPECT_THROW(run_case({.scene = "draped-string-at-rest", .at = {0.5}}), InputError);
+}
+
 TEST(Case, EverySceneOfTheListRuns) {
     for (const std::string& name : study_scene_names()) {
         StudyScene scene = study_scene(name, 12);
