@@ -1,53 +1,180 @@
 #include "tact/contact/automatic.hpp"
 
+#include <algorithm>
 #include <functional>
-#include <vector>
+#include <limits>
+#include <utility>
 
 #include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/interior_point.hpp"
 #include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/matrix_facts.hpp"
+#include "tact/contact/multigrid_active_set.hpp"
 #include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/projected_cg.hpp"
 #include "tact/contact/proximal_contact.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/contact/schur_contact.hpp"
-#include "tact/lib/sparse/lanczos.hpp"
 
 namespace tact {
 namespace {
 
-constexpr Index small_size = 300;
-/// Up to here some 20 sweeps or CG iterations reach rounding: less than a factor's back-substitutions cost.
-constexpr double well_conditioned = 20;
+using Strategy = ContactStrategy;
+using Prepared = std::unique_ptr<PreparedContact>;
 
 constexpr Index largest_orthogonal = 4000;
+/// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
+constexpr Index cheap_to_factor = 20000;
 
-/// The first strategy, then the sturdier ones in turn until one reaches a residual of 1e-12, each prepared when it is
-/// first needed.
-class Chain final : public PreparedContact {
+struct Choice {
+    Strategy strategy;
+    std::string_view reason;
+};
+
+bool allowed(const AutomaticOptions& options, Strategy strategy) {
+    return std::find(options.never.begin(), options.never.end(), strategy) == options.never.end();
+}
+
+Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) {
+    switch (strategy) {
+        case Strategy::dense: return DenseContact().prepare(A, B);
+        case Strategy::klu_active_set: return KluActiveSet().prepare(A, B);
+        case Strategy::colour_sor: return ColourSor().prepare(A, B);
+        case Strategy::projected_cg: return ProjectedCg().prepare(A, B);
+        case Strategy::multigrid_active_set: return MultigridActiveSet().prepare(A, B);
+        case Strategy::interior_point: return InteriorPoint().prepare(A, B);
+        case Strategy::schur: break;
+    }
+    return SchurContact().prepare(A, B);
+}
+
+/// Where A has no factor: what contact does not hold is found out by the proximal iteration.
+Prepared prepare_proximal(const Matrix& A, const Matrix& B) {
+    if (A.rows() <= largest_orthogonal) return ProximalContact(std::make_shared<OrthogonalContact>()).prepare(A, B);
+    return ProximalContact(std::make_shared<SchurContact>()).prepare(A, B);
+}
+
+/// Iterations of a solve, in the strategy's own count, that are some ten times the usual ones.
+int patience(Strategy strategy) {
+    switch (strategy) {
+        case Strategy::colour_sor: return 300;
+        case Strategy::projected_cg: return 40;
+        case Strategy::multigrid_active_set: return 60;
+        default: return std::numeric_limits<int>::max();
+    }
+}
+
+struct RowShape {
+    bool bounds, disjoint;
+};
+
+RowShape shape_of(const Matrix& B) {
+    if (const Vector* diagonal = B.diagonal_entries(); diagonal && (diagonal->array() != 0).all())
+        return {true, true};
+    const ConstraintRows rows(B);
+    return {rows.bounds(), rows.disjoint()};
+}
+
+Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
+    const auto may = [&](Strategy strategy) { return allowed(options, strategy); };
+    if (options.always) return {*options.always, "asked for by the options"};
+    if (!A.is_symmetric() && may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "A is not symmetric"};
+    if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
+        return {Strategy::dense, "small or dense"};
+    if (B.rows() > 0) {
+        const RowShape rows = shape_of(B);
+        const MatrixFacts facts = matrix_facts(A);
+        const bool sor = rows.bounds && may(Strategy::colour_sor);
+        const bool cg = rows.disjoint && A.rows() > cheap_to_factor && may(Strategy::projected_cg);
+        if ((sor || cg) && facts.well_conditioned(A, options.well_conditioned)) {
+            if (sor) return {Strategy::colour_sor, "well-conditioned A, bounds"};
+            return {Strategy::projected_cg, "well-conditioned A, rows that do not overlap"};
+        }
+        if (rows.bounds && facts.m_matrix && facts.positive_diagonal && may(Strategy::multigrid_active_set))
+            return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
+        if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
+            may(Strategy::interior_point))
+            return {Strategy::interior_point, "many rows that overlap"};
+    }
+    if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};
+    if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "what the options leave"};
+    throw InputError("AutomaticContact: options.never leaves no strategy for A " + A.shape() + " and B " + B.shape());
+}
+
+/// Counts what a strategy does, and says when another one would do better.
+class Record {
 public:
-    using Link = std::function<std::unique_ptr<PreparedContact>()>;
-    Chain(std::unique_ptr<PreparedContact> first, std::vector<Link> rest) : rest_(std::move(rest)) {
-        links_.push_back(std::move(first));
+    Record(Index rows, int solves_before_factor) : often_(solves_before_factor) {
+        known_.assign(static_cast<std::size_t>(rows), 0);
     }
 
-    bool reads_guess() const override { return links_.front()->reads_guess(); }
+    /// After a solve by this strategy, settled or not: why to change to the factor, or nothing.
+    std::string_view change(Strategy strategy, bool settled, const ContactReport& report, const VectorRef& lambda) {
+        tired_ = settled && report.iterations <= patience(strategy) ? 0 : tired_ + 1;
+        if (tired_ == 3) return "the iteration before it was slow or failed three times in a row";
+        if (strategy != Strategy::multigrid_active_set) return {};
+        int fresh = 0;
+        for (Index i = 0; i < lambda.size(); ++i) {
+            char& known = known_[static_cast<std::size_t>(i)];
+            fresh += lambda[i] > 0 && !known;
+            known |= lambda[i] > 0;
+        }
+        touched_ += fresh;
+        fresh_ = solves_ == 0 ? fresh : 0.8 * fresh_ + 0.2 * fresh;
+        ++solves_;
+        if (columns_for_a_solve * (solves_ - often_) >= touched_ && fresh_ <= few_columns)
+            return "the same A many times, few rows new to contact";
+        return {};
+    }
+
+private:
+    /// Columns of A^-1 B', one for each row in contact, that cost as much as a solve by multigrid does; and how many a
+    /// solve behind the factor may need to be the cheaper one still.
+    static constexpr int columns_for_a_solve = 16;
+    static constexpr double few_columns = 8;
+    int often_, solves_ = 0, tired_ = 0, touched_ = 0;
+    double fresh_ = 0;         // rows new to contact: a running mean
+    std::vector<char> known_;  // rows that were in contact once
+};
+
+/// The strategy in use, then the sturdier ones in turn until one reaches a residual of 1e-12, each prepared when it is
+/// first needed.
+class PreparedAutomatic final : public PreparedContact {
+public:
+    using Link = std::function<Prepared()>;
+    struct Fallback {
+        Link prepare;
+        Prepared prepared;
+    };
+
+    PreparedAutomatic(Choice choice, Prepared first, std::vector<Link> rest, std::optional<Record> record)
+        : choice_(choice), current_(std::move(first)), record_(std::move(record)) {
+        for (Link& link : rest) rest_.push_back({std::move(link), nullptr});
+    }
+
+    bool reads_guess() const override { return current_->reads_guess(); }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
-        ContactReport report = links_.front()->solve(b, c, point);
-        for (std::size_t next = 1; !settled(report) && next <= rest_.size() && b.allFinite(); ++next) {
-            if (links_.size() == next) links_.push_back(rest_[next - 1]());
-            ContactReport end = links_[next]->solve(b, c, point);
+        if (!change_.empty()) change_to_factor();
+        ContactReport report = current_->solve(b, c, point);
+        report.reason = choice_.reason;
+        const bool settled_at_once = settled(report);
+        for (std::size_t next = 0; !settled(report) && next < rest_.size() && b.allFinite(); ++next) {
+            Fallback& link = rest_[next];
+            if (!link.prepared) link.prepared = link.prepare();
+            ContactReport end = link.prepared->solve(b, c, point);
             // An answer that is only not sharp enough stands if the sturdier strategy has none.
             if (report.outcome == Outcome::converged && end.outcome != Outcome::converged) break;
             end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
             end.strategy = report.strategy;
+            end.reason = report.reason;
             end.iterations += report.iterations;
             end.set_repeated |= report.set_repeated;
             report = std::move(end);
         }
+        if (record_) change_ = record_->change(choice_.strategy, settled_at_once, report, point.lambda);
         return report;
     }
 
@@ -55,53 +182,57 @@ private:
     static bool settled(const ContactReport& report) {
         return report.outcome == Outcome::converged && report.kkt.largest() <= 1e-12;
     }
-    std::vector<std::unique_ptr<PreparedContact>> links_;
-    std::vector<Link> rest_;
-};
 
-std::unique_ptr<PreparedContact> first_choice(const Matrix& A, const Matrix& B, bool& schur) {
-    if ((!A.sparse() || A.rows() <= small_size) && B.rows() <= 4 * small_size) return DenseContact().prepare(A, B);
-    const ConstraintRows rows(B);
-    if ((A.main_diagonal().array() > 0).all() && B.rows() > 0 && (rows.bounds() || rows.disjoint()) &&
-        scaled_spectrum(A).condition() <= well_conditioned) {
-        const ColourSor sor;
-        const ProjectedCg cg;
-        const ContactSolver& solver = rows.bounds() ? static_cast<const ContactSolver&>(sor) : cg;
-        return solver.prepare(A, B);
+    /// The first fall-back is the factor: it becomes the strategy in use.
+    void change_to_factor() {
+        Fallback& factor = rest_.front();
+        current_ = factor.prepared ? std::move(factor.prepared) : factor.prepare();
+        rest_.erase(rest_.begin());
+        choice_ = {Strategy::schur, std::exchange(change_, {})};
+        record_.reset();
     }
-    if (!rows.bounds() && !rows.disjoint() && 4 * B.rows() >= A.rows() && (A.main_diagonal().array() > 0).all())
-        return InteriorPoint().prepare(A, B);
-    schur = true;
-    return SchurContact().prepare(A, B);
-}
+
+    Choice choice_;
+    Prepared current_;
+    std::vector<Fallback> rest_;
+    std::string_view change_;       // why the next solve is the factor's, or nothing
+    std::optional<Record> record_;  // nothing once the choice is final
+};
 
 }  // namespace
 
 std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("AutomaticContact", A, B);
-    const bool medium = A.rows() <= largest_orthogonal;
-    std::vector<Chain::Link> rest;
+    Choice choice = first_choice(A, B, options_);
+    Prepared first;
+    try {
+        first = prepare_as(choice.strategy, A, B);
+    } catch (const NumericalError&) {
+        if (B.rows() == 0 || !A.is_symmetric()) throw;  // nothing there that could hold it
+        return std::make_unique<PreparedAutomatic>(Choice{Strategy::schur, "A is singular or indefinite to rounding"},
+                                                   prepare_proximal(A, B), std::vector<PreparedAutomatic::Link>{},
+                                                   std::nullopt);
+    }
+    std::vector<PreparedAutomatic::Link> rest;
+    std::optional<Record> record;
     if (!A.is_symmetric()) {
         if (B.rows() > 0 && B.rows() <= largest_orthogonal)
             rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
-        return std::make_unique<Chain>(KluActiveSet().prepare(A, B), std::move(rest));
+    } else {
+        const bool medium = A.rows() <= largest_orthogonal;
+        const bool iteration = patience(choice.strategy) < std::numeric_limits<int>::max();
+        if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options_, Strategy::schur))
+            rest.push_back([A, B]() -> Prepared {
+                try {
+                    return SchurContact().prepare(A, B);
+                } catch (const NumericalError&) {
+                    return prepare_proximal(A, B);
+                }
+            });
+        if (iteration && !options_.always && !rest.empty()) record.emplace(B.rows(), options_.solves_before_factor);
+        if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
     }
-    std::unique_ptr<PreparedContact> first;
-    bool schur = false;
-    try {
-        first = first_choice(A, B, schur);
-    } catch (const NumericalError&) {
-        if (B.rows() == 0) throw;  // nothing there that could hold it
-        // Singular, or nearly: what contact does not hold is found out by the proximal iteration.
-        const std::shared_ptr<const ContactSolver> inner =
-            medium ? std::shared_ptr<const ContactSolver>(std::make_shared<OrthogonalContact>())
-                   : std::make_shared<SchurContact>();
-        return ProximalContact(inner).prepare(A, B);
-    }
-    if (!schur && !medium) rest.push_back([A, B] { return SchurContact().prepare(A, B); });
-    if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
-    if (rest.empty()) return first;
-    return std::make_unique<Chain>(std::move(first), std::move(rest));
+    return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
 }
 
 }  // namespace tact

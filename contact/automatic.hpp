@@ -1,24 +1,61 @@
-// Picks a contact strategy from what A and B are.
+// Picks a contact strategy from what A and B are, and another one when the solves show that it should.
 #pragma once
+
+#include <optional>
+#include <vector>
 
 #include "tact/lib/contact_solver.hpp"
 
 namespace tact {
 
-/// The chooser. In this order:
-///   A dense or diagonal, or at most 300 unknowns, symmetric  -> DenseContact
-///   A unsymmetric                                            -> KluActiveSet, then PrincipalPivoting
-///   condition estimate <= 20 and bounds                      -> ColourSor
-///   condition estimate <= 20 and rows that do not overlap    -> ProjectedCg
-///   overlapping rows, at least a quarter as many as unknowns -> InteriorPoint
-///   else                                                     -> SchurContact
-/// A that is singular or indefinite to rounding     -> ProximalContact around SchurContact (or OrthogonalContact)
+enum class ContactStrategy {
+    dense,
+    klu_active_set,
+    colour_sor,
+    projected_cg,
+    multigrid_active_set,
+    interior_point,
+    schur
+};
+
+struct AutomaticOptions {
+    /// The first strategy, whatever A and B are; it is then never changed. What it does not take is its InputError.
+    std::optional<ContactStrategy> always = {};
+    /// Not taken, neither at first nor later nor as a fall-back. InputError if nothing is left.
+    std::vector<ContactStrategy> never = {};
+    /// Sparse matrices up to so many unknowns are treated as dense.
+    Index small = 300;
+    /// Condition of A (scaled to unit diagonal) up to which some 20 sweeps or steps of CG reach rounding: less than a
+    /// factor's back-substitutions cost.
+    double well_conditioned = 20;
+    /// Solves with one A before its factor pays; one more for every 16 rows that were in contact meanwhile.
+    int solves_before_factor = 20;
+};
+
+/// The chooser. In this order, for symmetric A:
+///   dense or diagonal, or few unknowns                -> DenseContact
+///   well conditioned and bounds                       -> ColourSor
+///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more
+///   M-matrix and bounds                               -> MultigridActiveSet
+///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint
+///   else                                              -> SchurContact
+/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:
+/// ProximalContact around SchurContact (or OrthogonalContact).
+///
+/// The choice is looked at again after every solve, on counts only, so that a run can be repeated to the last bit:
+/// multigrid makes way for SchurContact when the same A has been asked for often and contact hardly touches new rows, and
+/// any iteration does so when it was far slower than usual, or failed, three times in a row. ContactReport::reason says why
+/// the strategy was taken.
 /// A strategy that ends without a solution is followed by SchurContact and, up to 4000 unknowns, by OrthogonalContact, which
-/// also has the last word on infeasibility; the report names both. The estimate takes 20 Lanczos steps on A scaled to unit
-/// diagonal.
+/// also has the last word on infeasibility; the report names both.
 class AutomaticContact final : public ContactSolver {
 public:
+    using Options = AutomaticOptions;
+    explicit AutomaticContact(Options options = {}) : options_(std::move(options)) {}
     std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;
+
+private:
+    Options options_;
 };
 
 }  // namespace tact

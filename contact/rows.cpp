@@ -1,8 +1,19 @@
 #include "tact/contact/rows.hpp"
 
+#include <numeric>
+
 namespace tact {
 
 ConstraintRows::ConstraintRows(const Matrix& B) {
+    if (const Vector* diagonal = B.diagonal_entries(); diagonal && (diagonal->array() != 0).all()) {
+        start_.resize(static_cast<std::size_t>(B.rows()) + 1);
+        std::iota(start_.begin(), start_.end(), std::size_t{0});
+        column_.resize(start_.size());
+        std::iota(column_.begin(), column_.end(), 0);
+        weight_.assign(diagonal->begin(), diagonal->end());
+        weight_.push_back(0);
+        return;
+    }
     const SparseMatrix Bt = B.to_sparse().transpose();
     start_.reserve(static_cast<std::size_t>(B.rows()) + 1);
     start_.push_back(0);

@@ -14,10 +14,15 @@ namespace {
 /// The touched rows and S = B A^-1 B' among them.
 class Pool {
 public:
-    Pool(const Factor& factor, const ConstraintRows& rows) : factor_(factor), rows_(rows) {
+    Pool(const Factor& factor, const ConstraintRows& rows, std::size_t bytes)
+        : factor_(factor),
+          rows_(rows),
+          largest_(static_cast<Index>(std::sqrt(static_cast<double>(bytes) / sizeof(double)))) {
         place_.assign(static_cast<std::size_t>(rows.rows()), -1);
     }
     Index size() const { return static_cast<Index>(members_.size()); }
+    /// Rows that the bytes allowed hold.
+    Index largest() const { return largest_; }
     const std::vector<Index>& members() const { return members_; }
     bool holds(Index row) const { return place_[static_cast<std::size_t>(row)] >= 0; }
     const DenseMatrix& S() const { return S_; }
@@ -61,11 +66,12 @@ public:
 private:
     void reserve() {
         if (S_.rows() >= size()) return;
-        const Index capacity = std::max<Index>(64, size() + size() / 2);
+        const Index capacity = std::max(size(), std::min(largest_, std::max<Index>(64, size() + size() / 2)));
         S_.conservativeResize(capacity, capacity);
     }
     const Factor& factor_;
     const ConstraintRows& rows_;
+    Index largest_;
     std::vector<Index> members_, place_;
     DenseMatrix S_, columns_;
 };
@@ -73,11 +79,10 @@ private:
 class PreparedSchur final : public PreparedContact {
 public:
     PreparedSchur(const Matrix& A, const Matrix& B, const LinearSolver& linear, SchurOptions options)
-        : options_(options),
-          factor_(linear.factorize(A)),
+        : factor_(linear.factorize(A)),
           certificate_(A, B),
           rows_(B),
-          pool_(*factor_, rows_),
+          pool_(*factor_, rows_, options.pool_bytes),
           free_(A.rows()),
           u_(A.rows()),
           gap_(B.rows()),
@@ -99,10 +104,14 @@ public:
         violated_.clear();
         for (Index i = 0; i < m; ++i)
             if (point.lambda[i] > 0 && c[i] != -infinity && !pool_.holds(i)) violated_.push_back(i);
-        if (violated_.empty()) find_violated(c, 8);
+        // What the pool can do comes first: it costs no new columns.
         bool contact = !violated_.empty() || any_violated_in_pool(c);
-        for (std::size_t batch = 16; contact; batch *= 2) {
-            if (pool_.size() + static_cast<Index>(violated_.size()) > options_.largest_pool) forget(point.lambda);
+        if (!contact) {
+            find_violated(c, few);
+            contact = !violated_.empty();
+        }
+        for (std::size_t batch = 2 * few; contact; batch *= 2) {
+            if (pool_.size() + static_cast<Index>(violated_.size()) > pool_.largest()) forget(point.lambda);
             pool_.add(violated_);
             report.outcome = solve_pool(c, point.lambda, report);
             if (report.outcome != Outcome::converged) return report;
@@ -120,6 +129,8 @@ public:
 
 private:
     static constexpr double acceptable = 1e-10;
+    static constexpr Index small_pool = 100;
+    static constexpr std::size_t few = 8;  ///< rows that are taken at once when nothing is known yet
     /// Of the row's own |c_i| + |B_i||u|: two digits above the rounding of a solve.
     static constexpr double gap_tolerance = 2e-14;
 
@@ -157,8 +168,7 @@ private:
     /// The pool's contact problem, then u_ = free_ + A^-1 B' lambda_.
     Outcome solve_pool(const ConstVectorRef& c, const ConstVectorRef& guess, ContactReport& report) {
         const Index k = pool_.size();
-        for (Vector* v : {&g_, &w_, &multiplier_, &pool_allowance_})
-            if (v->size() < k) v->resize(std::max<Index>(2 * k, 64));
+        reserve(k);
         const bool first = (lambda_.array() == 0).all();
         for (Index i = 0; i < k; ++i) {
             const Index row = pool_.members()[static_cast<std::size_t>(i)];
@@ -166,14 +176,17 @@ private:
             pool_allowance_[i] = allowance_[row];
             multiplier_[i] = first ? guess[row] : lambda_[row];
         }
-        const auto dense =
-            active_set_.solve(pool_.S(), g_.head(k), pool_allowance_.head(k), multiplier_.head(k), w_.head(k));
-        report.iterations += dense.iterations;
-        if (dense.repeated) {
-            report.set_repeated = true;
-            report.fallback = "Goldfarb-Idnani";
+        start_working_set(k);
+        for (std::size_t batch = few;; batch *= 2) {
+            const auto dense = solve_working_set(k);
+            report.iterations += dense.iterations;
+            if (dense.repeated) {
+                report.set_repeated = true;
+                report.fallback = "Goldfarb-Idnani";
+            }
+            if (dense.outcome != Outcome::converged) return dense.outcome;
+            if (!widen_working_set(k, batch)) break;
         }
-        if (dense.outcome != Outcome::converged) return dense.outcome;
         lambda_.setZero();
         force_.setZero(u_.size());
         for (Index i = 0; i < k; ++i) {
@@ -186,6 +199,89 @@ private:
         return Outcome::converged;
     }
 
+    /// The rows of the pool that the guess presses on. A pool that has seen many problems holds far more rows than one
+    /// of them needs, and from a far guess the active set would take all that are violated at first.
+    void start_working_set(Index k) {
+        working_.clear();
+        in_working_set_.assign(static_cast<std::size_t>(k), 0);
+        for (Index i = 0; i < k; ++i)
+            if (multiplier_[i] > 0) take(i);
+        w_.head(k) = -g_.head(k);
+        if (working_.empty())
+            (void)take_violated(k, few);
+        else
+            take_all_if_most(k);
+    }
+
+    /// Half the pool or more, or a small pool, is not worth its copy.
+    void take_all_if_most(Index k) {
+        if (k > small_pool && 2 * static_cast<Index>(working_.size()) < k) return;
+        for (Index i = 0; i < k; ++i)
+            if (!in_working_set_[static_cast<std::size_t>(i)]) take(i);
+    }
+
+    /// For a pool of k rows.
+    void reserve(Index k) {
+        if (g_.size() >= k) return;
+        const Index capacity = std::max<Index>(k + k / 2, 64);
+        for (Vector* v : {&g_, &w_, &multiplier_, &pool_allowance_}) v->resize(capacity);
+        for (Vector* v : {&working_g_, &working_allowance_, &working_multiplier_, &working_w_})
+            v->resize(capacity / 2);
+        S_.resize(capacity / 2, capacity / 2);
+        working_.reserve(static_cast<std::size_t>(capacity));
+        candidates_.reserve(static_cast<std::size_t>(capacity));
+        in_working_set_.reserve(static_cast<std::size_t>(capacity));
+    }
+
+    void take(Index i) {
+        working_.push_back(i);
+        in_working_set_[static_cast<std::size_t>(i)] = 1;
+    }
+
+    /// The `most` worst of the rows outside that w_ violates; whether there are any.
+    bool take_violated(Index k, std::size_t most) {
+        candidates_.clear();
+        for (Index i = 0; i < k; ++i)
+            if (!in_working_set_[static_cast<std::size_t>(i)] && w_[i] < -pool_allowance_[i])
+                candidates_.push_back(i);
+        if (candidates_.size() > most) {
+            const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(most);
+            std::nth_element(candidates_.begin(), middle, candidates_.end(),
+                             [&](Index i, Index j) { return w_[i] < w_[j]; });
+            candidates_.erase(middle, candidates_.end());
+        }
+        for (const Index i : candidates_) take(i);
+        take_all_if_most(k);
+        return !candidates_.empty();
+    }
+
+    CondensedActiveSet::Report solve_working_set(Index k) {
+        const auto size = static_cast<Index>(working_.size());
+        if (size == k) {
+            // In the pool's own order, without a copy.
+            return active_set_.solve(pool_.S(), g_.head(k), pool_allowance_.head(k), multiplier_.head(k), w_.head(k));
+        }
+        for (Index j = 0; j < size; ++j) {
+            const Index row = working_[static_cast<std::size_t>(j)];
+            working_g_[j] = g_[row];
+            working_allowance_[j] = pool_allowance_[row];
+            working_multiplier_[j] = multiplier_[row];
+            for (Index i = 0; i < size; ++i) S_(i, j) = pool_.S()(working_[static_cast<std::size_t>(i)], row);
+        }
+        const auto report = active_set_.solve(S_, working_g_.head(size), working_allowance_.head(size),
+                                              working_multiplier_.head(size), working_w_.head(size));
+        for (Index j = 0; j < size; ++j) multiplier_[working_[static_cast<std::size_t>(j)]] = working_multiplier_[j];
+        return report;
+    }
+
+    bool widen_working_set(Index k, std::size_t most) {
+        if (static_cast<Index>(working_.size()) == k) return false;
+        w_.head(k) = -g_.head(k);
+        for (const Index j : working_)
+            if (multiplier_[j] > 0) w_.head(k) += multiplier_[j] * pool_.S().col(j).head(k);
+        return take_violated(k, most);
+    }
+
     void forget(const ConstVectorRef& guess) {
         std::vector<Index> kept;
         for (const Index row : pool_.members())
@@ -193,13 +289,15 @@ private:
         pool_.keep(kept);
     }
 
-    SchurOptions options_;
     std::unique_ptr<const Factor> factor_;
     KktCertificate certificate_;
     ConstraintRows rows_;
     Pool pool_;
     CondensedActiveSet active_set_;
-    std::vector<Index> violated_;
+    std::vector<Index> violated_, working_, candidates_;
+    std::vector<char> in_working_set_;
+    DenseMatrix S_;  // of the working set, as what follows
+    Vector working_g_, working_allowance_, working_multiplier_, working_w_;
     Vector load_, free_, u_, gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
 };
 

@@ -12,8 +12,9 @@ class LinearSolver;
 /// solution, primal-dual active set on the pool, back-substitution, and a check of every row outside the pool; the
 /// pool only grows within a solve, so it ends. Any B.
 struct SchurOptions {
-    /// Rows of the pool at most; beyond it the rows that are not in contact are forgotten. 8 * pool^2 bytes.
-    Index largest_pool = 6000;
+    /// Of the pool, 8 bytes for each pair of its rows (half as much again is taken to work with): beyond it the rows that are not in contact are forgotten. Rows
+    /// in contact are kept whatever they take.
+    std::size_t pool_bytes = std::size_t{256} << 20;
 };
 
 class SchurContact final : public ContactSolver {

@@ -26,6 +26,7 @@ struct [[nodiscard]] ContactReport {
     bool set_repeated = false;       ///< an active set came back and the fall-back finished the solve
     std::string_view strategy;       ///< a string with static lifetime: what solved it
     std::string_view fallback = {};  ///< what finished it instead, if anything did
+    std::string_view reason = {};    ///< with static lifetime: why a chooser took this strategy
     /// After Outcome::infeasible: y >= 0 with B'y = 0 and c'y > 0 (largest entry 1), m numbers.
     Vector infeasibility = {};
     /// After Outcome::unbounded: d with A d = 0, B d >= 0, b'd > 0 (largest entry 1), n numbers.

@@ -1,0 +1,118 @@
+// What the chooser takes, why, and when it changes its mind.
+#include "tact/contact/automatic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/matrix_facts.hpp"
+#include "tact/lib/scenes/membrane.hpp"
+#include "tact/lib/sparse/lanczos.hpp"
+
+namespace tact {
+namespace {
+
+struct Obstacle {
+    Matrix K, B;
+    Vector b, c;
+};
+
+Obstacle obstacle(Index n, const Parameter& gamma) {
+    const MembraneFamily family(n);
+    const ContactProblem problem = family.at(gamma);
+    Obstacle all{problem.K, problem.B, Vector(n * n), Vector(n * n)};
+    all.b.setConstant(-10.0 / static_cast<double>((n + 1) * (n + 1)));
+    std::vector<Index> rows(static_cast<std::size_t>(n * n));
+    for (Index i = 0; i < n * n; ++i) rows[static_cast<std::size_t>(i)] = i;
+    family.gap(gamma, rows, all.c);
+    return all;
+}
+
+struct Solved {
+    ContactReport report;
+    Vector u;
+};
+
+Solved solve(PreparedContact& prepared, const Obstacle& o) {
+    Solved s{{}, Vector::Zero(o.b.size())};
+    Vector lambda = Vector::Zero(o.c.size());
+    s.report = prepared.solve(o.b, o.c, {s.u, lambda});
+    return s;
+}
+
+TEST(AutomaticContact, GivesUpMultigridForTheFactorWhenOneMatrixIsAskedForOften_KluAgrees) {
+    const Obstacle first = obstacle(24, Eigen::Vector2d(0.45, 0.4));
+    AutomaticOptions options;
+    options.solves_before_factor = 4;
+    const auto prepared = AutomaticContact(options).prepare(first.K, first.B);
+    const auto klu = KluActiveSet().prepare(first.K, first.B);
+    std::vector<std::string_view> strategies, reasons;
+    for (int k = 0; k < 12; ++k) {
+        const Obstacle o = obstacle(24, Eigen::Vector2d(0.45 + 0.005 * (k % 3), 0.4));
+        const Solved s = solve(*prepared, o);
+        ASSERT_EQ(s.report.outcome, Outcome::converged);
+        ASSERT_LE(s.report.kkt.largest(), 1e-12);
+        EXPECT_LE((s.u - solve(*klu, o).u).lpNorm<Eigen::Infinity>(), 1e-12);
+        if (strategies.empty() || strategies.back() != s.report.strategy) {
+            strategies.push_back(s.report.strategy);
+            reasons.push_back(s.report.reason);
+        }
+    }
+    EXPECT_EQ(strategies, (std::vector<std::string_view>{"multigrid active set", "Schur complement"}));
+    EXPECT_NE(reasons.front(), reasons.back());
+    EXPECT_FALSE(prepared->reads_guess());
+}
+
+TEST(AutomaticContact, GivesUpAnIterationThatIsSlowAgainAndAgain) {
+    const Obstacle o = obstacle(60, Eigen::Vector2d(0.45, 0.4));
+    AutomaticOptions options;
+    options.well_conditioned = 1e9;  // so that sweeps are taken where they are slow
+    const auto prepared = AutomaticContact(options).prepare(o.K, o.B);
+    std::vector<std::string_view> strategies;
+    for (int k = 0; k < 4; ++k) {
+        const Solved s = solve(*prepared, o);
+        ASSERT_EQ(s.report.outcome, Outcome::converged);
+        strategies.push_back(s.report.strategy);
+    }
+    EXPECT_EQ(strategies,
+              (std::vector<std::string_view>{"colour SOR", "colour SOR", "colour SOR", "Schur complement"}));
+}
+
+TEST(AutomaticContact, DoesWhatItsOptionsSay) {
+    const Obstacle o = obstacle(20, Eigen::Vector2d(0.45, 0.4));
+    const auto strategy = [&](const AutomaticOptions& options) {
+        const Solved s = solve(*AutomaticContact(options).prepare(o.K, o.B), o);
+        EXPECT_EQ(s.report.outcome, Outcome::converged);
+        EXPECT_FALSE(s.report.reason.empty());
+        return s.report.strategy;
+    };
+    EXPECT_EQ(strategy({}), "multigrid active set");
+    EXPECT_EQ(strategy({.never = {ContactStrategy::multigrid_active_set}}), "Schur complement");
+    EXPECT_EQ(strategy({.always = ContactStrategy::projected_cg}), "projected CG");
+    EXPECT_EQ(strategy({.small = 400}), "dense Goldfarb-Idnani");
+    EXPECT_THROW((void)AutomaticContact({.never = {ContactStrategy::multigrid_active_set, ContactStrategy::schur,
+                                                   ContactStrategy::klu_active_set}})
+                     .prepare(o.K, o.B),
+                 InputError);
+}
+
+TEST(MatrixFacts, BracketTheConditionThatEigenFinds) {
+    const Matrix K = obstacle(12, Eigen::Vector2d(0.45, 0.4)).K;
+    for (const double mass : {0.0, 0.1, 3.0}) {
+        const Matrix A = combine(1, K, mass, Matrix(Matrix::identity(K.rows()).to_sparse()));
+        const Vector scale = A.main_diagonal().cwiseSqrt().cwiseInverse();
+        const DenseMatrix scaled = scale.asDiagonal() * A.to_dense() * scale.asDiagonal();
+        const Vector values = Eigen::SelfAdjointEigenSolver<DenseMatrix>(scaled).eigenvalues();
+        const double condition = values.maxCoeff() / values.minCoeff();
+        const MatrixFacts facts = matrix_facts(A);
+        EXPECT_TRUE(facts.m_matrix && facts.positive_diagonal);
+        EXPECT_LE(facts.condition_above, condition);
+        EXPECT_GE(facts.condition_below, condition);
+        EXPECT_EQ(facts.well_conditioned(A, 20), condition <= 20);
+    }
+    EXPECT_FALSE(matrix_facts(scaled(-1, K)).m_matrix);
+}
+
+}  // namespace
+}  // namespace tact
