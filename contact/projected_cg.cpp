@@ -7,34 +7,42 @@
 #include <vector>
 
 #include "tact/contact/rows.hpp"
+#include "tact/lib/sparse/aggregation.hpp"
+#include "tact/lib/sparse/sliced_rows.hpp"
 
 namespace tact {
 namespace {
 
-/// Row-wise copy of a symmetric sparse matrix, scaled to unit diagonal, 4-byte indices.
+/// A symmetric sparse matrix scaled to unit diagonal.
 class ScaledRows {
 public:
-    ScaledRows(const SparseMatrix& A, const Vector& scale) {
-        start_.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1);
-        column_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
-        value_.resize(column_.size());
-        for (Index j = 0; j < A.outerSize(); ++j)
-            for (auto k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k)
-                value_[static_cast<std::size_t>(k)] = A.valuePtr()[k] * scale[j] * scale[A.innerIndexPtr()[k]];
+    ScaledRows(const SparseMatrix& A, const Vector& scale) : rows_(A.rows()) {
+        const CompressedRows entries = compressed_columns(A);
+        const Index padded = (rows_ + Slices::lanes - 1) / Slices::lanes * Slices::lanes;
+        slices_ = Slices(static_cast<int>(padded), entries.longest_row(), [&](int i, const auto& add) {
+            if (i >= entries.rows) return;
+            for (int k = entries.begin(i); k < entries.end(i); ++k)
+                add(entries.column_at(k), entries.value_at(k) * scale[i] * scale[entries.column_at(k)]);
+        });
+        operand_.setZero(padded + 2 * Slices::padding);
+        product_.resize(padded);
     }
-    void multiply(const double* x, double* y) const {
-        const auto rows = start_.size() - 1;
-        for (std::size_t i = 0; i < rows; ++i) {
-            double sum = 0;
-            for (auto k = static_cast<std::size_t>(start_[i]); k < static_cast<std::size_t>(start_[i + 1]); ++k)
-                sum += value_[k] * x[column_[k]];
-            y[i] = sum;
+    void multiply(const double* x, double* y) {
+        std::copy_n(x, rows_, operand_.data() + Slices::padding);
+        const Slices::Reader slices = slices_.reader();
+        for (int s = 0; s < slices_.slices(); ++s) {
+            Slices::Lanes sum;
+            slices.multiply_slice(s, operand_.data() + Slices::padding, sum);
+            Slices::store(product_.data() + s * Slices::lanes, sum);
         }
+        std::copy_n(product_.data(), rows_, y);
     }
 
 private:
-    std::vector<int> start_, column_;
-    std::vector<double> value_;
+    using Slices = SlicedRows<double>;
+    Index rows_;
+    Slices slices_;
+    Vector operand_, product_;
 };
 
 SparseMatrix scaled_rows_of(const Matrix& B, const Vector& scale, Vector& row_scale) {
