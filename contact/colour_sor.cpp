@@ -57,11 +57,14 @@ public:
         ContactReport report;
         report.strategy = "colour SOR";
         read(b, c, point.u);
-        for (double before = infinity;;) {
+        double before = infinity;
+        for (int stalled = 0;;) {
             const Defect defect = from_above_ ? find_defect<true>() : find_defect<false>();
             if (defect.residual <= accuracy * defect.force) break;
-            // Rounding stops the descent, or nothing does: the certificate tells which.
-            if (report.iterations > 0 && !(defect.residual <= 0.25 * before)) break;
+            // Twice in turn: rounding stops the descent, or nothing does; the certificate tells which. Once: a correction
+            // that has put unknowns on their bounds or taken them off.
+            stalled = defect.residual <= 0.25 * before ? 0 : stalled + 1;
+            if (stalled == 2) break;
             if (report.iterations >= sweep_limit) {
                 report.outcome = Outcome::iteration_limit;
                 return report;

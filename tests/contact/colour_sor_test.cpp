@@ -110,6 +110,32 @@ TEST(ColourSor, AgreesWithPlainGaussSeidelBetweenTwoBounds) {
     }
 }
 
+TEST(ColourSor, ReachesTheGoalOnRandomGraphsWithRowsOfAnyWeight) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    for (int trial = 0; trial < 1000; ++trial) {
+        const auto draw = [&](Index below) { return static_cast<Index>(random() % static_cast<unsigned>(below)); };
+        const Index n = 1 + draw(60), m = draw(2 * n + 1);
+        DenseMatrix A = DenseMatrix::Zero(n, n), B = DenseMatrix::Zero(m, n);
+        for (Index k = draw(5) * n; k > 0; --k) {
+            const Index i = draw(n), j = draw(n);
+            if (i != j) A(j, i) = A(i, j) += normal(random);
+        }
+        for (Index i = 0; i < n; ++i) A(i, i) = 1.02 * A.row(i).cwiseAbs().sum() + 0.05;
+        Vector b(n), c(m), u = Vector::Zero(n), lambda = Vector::Zero(m);
+        for (double& x : b) x = 5 * normal(random);
+        for (Index i = 0; i < m; ++i) {
+            B(i, draw(n)) = (draw(3) > 0 ? 1 : -1) * (0.1 + std::abs(normal(random)));
+            c[i] = draw(5) == 0 ? -infinity : -std::abs(normal(random));
+        }
+        const auto report = ColourSor()
+                                .prepare(Matrix(Matrix(A).to_sparse()), Matrix(Matrix(B).to_sparse()))
+                                ->solve(b, c, {u, lambda});
+        ASSERT_EQ(report.outcome, Outcome::converged) << "trial " << trial;
+        ASSERT_LE(report.kkt.largest(), 1e-12) << "trial " << trial;
+    }
+}
+
 TEST(ColourSor, TheScaleOfTheDataIsFree) {
     const Index side = 16;
     const Membrane m = membrane(side, numbers(side * side, 0));
