@@ -2,13 +2,14 @@
 
 #include <utility>
 
+#include "tact/integrators/hermite.hpp"
 #include "tact/integrators/sundials/stage_hook.hpp"
 #include "tact/integrators/sundials/vector.hpp"
 
 namespace tact {
 namespace {
 
-class Bdf2Run final : public Run {
+class Bdf2Run final : public Run, private sundials::StageHook::Client {
 public:
     Bdf2Run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace)
         : grid_(grid),
@@ -21,9 +22,15 @@ public:
           next_view_(context_, next_.y),
           before_view_(context_, before_),
           history_view_(context_, history_),
-          hook_(context_, stages_, next_, &Bdf2Run::position) {}
+          hook_(context_, stages_, next_, *this) {}
 
     const State& state() const override { return now_; }
+    void dense(double t, State& out) const override {
+        State before = now_;
+        before.y = before_;
+        before.t = grid_.t(now_.step - 1);
+        interpolate(before, now_, t, out);
+    }
 
     StepReport advance() override {
         const long step = now_.step + 1;
@@ -39,9 +46,9 @@ public:
         next_.lambda = now_.lambda;
         if (stages_.reads_guess()) guess();
         t_ = grid_.t(step);
-        SUNNonlinSolSolve(hook_.get(), nullptr, next_view_.get(), nullptr, 0, SUNFALSE, this);
+        SUNNonlinSolSolve(hook_.get(), nullptr, next_view_.get(), nullptr, 0, SUNFALSE, nullptr);
         hook_.rethrow();
-        const StepReport report{t_, step, hook_.report().outcome, hook_.report()};
+        const StepReport report{t_, step, hook_.report().outcome, hook_.report(), {}, {}};
         if (report.outcome != Outcome::converged) return report;
         next_.step = step;
         if (stages_.reads_guess()) earlier_ = before_.head(now_.n);
@@ -57,11 +64,8 @@ public:
     }
 
 private:
-    static int position(void* memory, sundials::StageHook::Position& p) {
-        auto& run = *static_cast<Bdf2Run*>(memory);
-        p = {run.t_, run.a_, run.history_view_.get(), nullptr};
-        return 0;
-    }
+    Stage stage() override { return {t_, a_, history_.head(now_.n), history_.tail(history_.size() - now_.n)}; }
+    void correct(N_Vector) override {}  // there is no predictor: the solution is in next_ already
 
     /// Extrapolation in time, quadratic as soon as there are three states: what an iterative solver starts from.
     void guess() {

@@ -79,6 +79,7 @@ void validate(const ContactProblem& p) {
     check_affine("f", p.f, n, false);
     if (!p.is_static()) check_vector("u0", p.u0, n);
     if (p.second_order()) check_vector("v0", p.v0, n);
+    if (p.r && (!p.r->force || !p.r->tangent)) reject("r lacks its force or its tangent, expected both");
 }
 
 }  // namespace tact

@@ -35,7 +35,17 @@ struct AffineVector {
     std::vector<double> jumps;
 };
 
-/// M u'' + D u' + K u = f(t) + B' lambda,   B u - c(t) >= 0,   lambda >= 0,   lambda . (B u - c) = 0
+/// Internal forces that are not linear in u, beside K u, with their tangent.
+struct InternalForce {
+    /// out = r(u), n numbers; must not allocate in a step.
+    std::function<void(const ConstVectorRef& u, VectorRef out)> force;
+    /// dr/du at u, n x n.
+    std::function<Matrix(const ConstVectorRef& u)> tangent;
+    /// r as a potential, for the energy ledger; may be empty: no energy is then reported for it.
+    std::function<double(const ConstVectorRef& u)> energy = {};
+};
+
+/// M u'' + D u' + K u + r(u) = f(t) + B' lambda,   B u - c(t) >= 0,   lambda >= 0,   lambda . (B u - c) = 0
 ///
 /// n unknowns, m contact constraints. What a scene lacks is absent: no M is first order in time, no M and no D is
 /// static, a B without rows is free of contact. c_i = -infinity switches row i off. Passive data: steppers, contact
@@ -49,6 +59,7 @@ struct ContactProblem {
     AffineVector f;           ///< n
     Vector u0;                ///< n
     Vector v0;                ///< n, or empty unless second order in time
+    std::optional<InternalForce> r = {};
 
     Index size() const { return K.rows(); }
     Index constraints() const { return B.rows(); }
@@ -57,7 +68,7 @@ struct ContactProblem {
 };
 
 /// Throws InputError naming the first field that has a wrong shape, a NaN or infinite entry (c may hold -infinity),
-/// or an M that is not symmetric.
+/// or an M that is not symmetric, or a function that is missing in r.
 void validate(const ContactProblem& problem);
 
 }  // namespace tact

@@ -8,6 +8,7 @@ Energy energy_of(const ContactProblem& p, const State& state) {
     Vector work(p.size());
     p.K.multiply(state.u(), work);
     e.strain = 0.5 * state.u().dot(work);
+    if (p.r && p.r->energy) e.strain += p.r->energy(state.u());
     if (p.second_order()) {
         p.M->multiply(state.v(), work);
         e.kinetic = 0.5 * state.v().dot(work);

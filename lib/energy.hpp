@@ -11,7 +11,7 @@ namespace tact {
 struct Energy {
     double t = 0;
     double kinetic = 0;        ///< v'Mv / 2
-    double strain = 0;         ///< u'Ku / 2
+    double strain = 0;         ///< u'Ku / 2, and the potential of r where there is one
     double potential = 0;      ///< -f(t)'u
     double external_work = 0;  ///< sum of (f_k + f_k+1)/2 . (u_k+1 - u_k), one-sided limits inside the step
     double contact_work = 0;   ///< sum of lambda_k+1 . B (u_k+1 - u_k)

@@ -10,6 +10,9 @@ std::string_view to_string(Outcome outcome) {
         case Outcome::infeasible: return "infeasible";
         case Outcome::unbounded: return "unbounded";
         case Outcome::inaccurate: return "inaccurate";
+        case Outcome::step_limit: return "step limit";
+        case Outcome::step_too_small: return "step too small";
+        case Outcome::tolerance_too_small: return "tolerance too small";
         case Outcome::stopped: return "stopped";
     }
     return "unknown";

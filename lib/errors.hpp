@@ -26,6 +26,9 @@ enum class Outcome {
     infeasible,       ///< the constraints exclude each other
     unbounded,        ///< A is singular along a direction no constraint blocks
     inaccurate,       ///< ended, but the KKT residual is above the tolerance
+    step_limit,       ///< an adaptive integrator used up its internal steps
+    step_too_small,   ///< its error or stage tests kept failing down to the smallest step
+    tolerance_too_small,  ///< it was asked for more accuracy than rounding leaves
     stopped           ///< an observer or the user asked to stop
 };
 

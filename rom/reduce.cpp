@@ -125,6 +125,31 @@ private:
     Eigen::SparseMatrix<double, Eigen::ColMajor, int> sparse_;
 };
 
+/// U' r(U q) and U' r'(U q) U.
+InternalForce project_force(const InternalForce& r, const DenseMatrix& basis) {
+    struct Lifted {
+        DenseMatrix U;
+        Vector u, force;
+    };
+    const auto lifted = std::make_shared<Lifted>(Lifted{basis, Vector(basis.rows()), Vector(basis.rows())});
+    InternalForce reduced;
+    reduced.force = [r, lifted](const ConstVectorRef& q, VectorRef out) {
+        lifted->u.noalias() = lifted->U * q;
+        r.force(lifted->u, lifted->force);
+        out.noalias() = lifted->U.transpose() * lifted->force;
+    };
+    reduced.tangent = [r, lifted](const ConstVectorRef& q) {
+        lifted->u.noalias() = lifted->U * q;
+        return Matrix(DenseMatrix(lifted->U.transpose() * r.tangent(lifted->u).times(lifted->U)));
+    };
+    if (r.energy)
+        reduced.energy = [r, lifted](const ConstVectorRef& q) {
+            lifted->u.noalias() = lifted->U * q;
+            return r.energy(lifted->u);
+        };
+    return reduced;
+}
+
 }  // namespace
 
 ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
@@ -143,6 +168,7 @@ ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
     const Matrix* inner = full.M ? &*full.M : full.D ? &*full.D : &full.K;
     reduced.u0 = project_state(U, inner, full.u0);
     if (full.second_order()) reduced.v0 = project_state(U, inner, full.v0);
+    if (full.r) reduced.r = project_force(*full.r, U);
     return reduced;
 }
 

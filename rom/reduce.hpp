@@ -18,7 +18,7 @@ inline constexpr double rounding_level = 1e-10;
 /// Modes of c and f are projected one by one. u0 and v0 are projected in the inner product of M; where M is absent, of
 /// D, or of K in statics; in the Euclidean one where that matrix is not symmetric positive definite. A row with
 /// c = -infinity is off: InputError if U_lambda touches it. Costs products with the full matrices; the problem returned
-/// never touches size n or m. InputError as validate.
+/// never touches size n or m, unless there is an r: that is evaluated at U q. InputError as validate.
 ContactProblem reduce(const ContactProblem& problem, const ReducedBasis& basis);
 
 /// The reduced problems of a family of which only the gap c depends on gamma (the family's owner answers for that: M, D,

@@ -1,26 +1,15 @@
 #include "tact/integrators/sundials/stage_hook.hpp"
 
-#include <nvector/nvector_serial.h>
-
 namespace tact::sundials {
 
 int StageHook::solve(SUNNonlinearSolver solver, N_Vector, N_Vector correction, N_Vector, realtype, booleantype,
-                     void* memory) {
+                     void*) {
     auto& content = *static_cast<Content*>(solver->content);
     ++content.solves;
     try {
-        Position position;
-        if (const int flag = content.fetch(memory, position); flag != 0) return flag;
-        State& target = *content.target;
-        const Eigen::Map<const Vector> b(NV_DATA_S(position.b), NV_LENGTH_S(position.b));
-        const Index n = target.n;
-        content.report =
-            content.stages->solve(Stage{position.t, position.a, b.head(n), b.tail(b.size() - n)}, target);
+        content.report = content.stages->solve(content.client->stage(), *content.target);
         if (content.report.outcome != Outcome::converged) return SUN_NLS_CONV_RECVR;
-        if (position.predicted) {
-            Eigen::Map<Vector> change(NV_DATA_S(correction), NV_LENGTH_S(correction));
-            change = target.y - Eigen::Map<const Vector>(NV_DATA_S(position.predicted), NV_LENGTH_S(correction));
-        }
+        content.client->correct(correction);
         return SUN_NLS_SUCCESS;
     } catch (...) {
         content.caught = std::current_exception();
@@ -28,8 +17,8 @@ int StageHook::solve(SUNNonlinearSolver solver, N_Vector, N_Vector correction, N
     }
 }
 
-StageHook::StageHook(const Context& context, StageSolver& stages, State& target, Fetch fetch)
-    : content_{&stages, &target, fetch, {}, {}}, solver_(SUNNonlinSolNewEmpty(context.get())) {
+StageHook::StageHook(const Context& context, StageSolver& stages, State& target, Client& client)
+    : content_{&stages, &target, &client, {}, {}}, solver_(SUNNonlinSolNewEmpty(context.get())) {
     if (!solver_) throw NumericalError("SUNDIALS: SUNNonlinSolNewEmpty failed");
     auto* ops = solver_->ops;
     ops->gettype = [](SUNNonlinearSolver) { return SUNNONLINEARSOLVER_ROOTFIND; };

@@ -10,29 +10,32 @@
 
 namespace tact::sundials {
 
-/// A SUNNonlinearSolver of type ROOTFIND. SUNNonlinSolSolve asks `fetch` what stage the integrator stands at, solves
-/// it into the target state, and writes the correction y - y_predicted. The multipliers stay outside SUNDIALS' state.
+/// A SUNNonlinearSolver of type ROOTFIND. SUNNonlinSolSolve asks its client what stage the integrator stands at, solves
+/// it into the target state, and lets the client write the correction. The multipliers stay outside SUNDIALS' state.
 /// Exceptions do not cross the C caller: they are kept, a failure code goes back, and `rethrow` raises them again.
 class StageHook {
 public:
-    /// What an integrator's memory says of its stage: y' = a y + b at t, and its predictor (null: the correction is
-    /// the new y itself, already in the target's storage).
-    struct Position {
-        double t = 0;
-        double a = 0;
-        N_Vector b = nullptr;
-        N_Vector predicted = nullptr;
-    };
-    using Fetch = int (*)(void* integrator_memory, Position& position);
+    /// The run that an integrator's memory belongs to.
+    class Client {
+    public:
+        /// The stage: y' = a y + b at t; b stays valid until `correct`. Puts its guess into the target state.
+        virtual Stage stage() = 0;
+        /// From the target state to what the integrator calls its correction.
+        virtual void correct(N_Vector correction) = 0;
 
-    /// The stage solver and the target must outlive the hook.
-    StageHook(const Context& context, StageSolver& stages, State& target, Fetch fetch);
+    protected:
+        ~Client() = default;
+    };
+
+    /// The stage solver, the target and the client must outlive the hook.
+    StageHook(const Context& context, StageSolver& stages, State& target, Client& client);
     ~StageHook();
     StageHook(const StageHook&) = delete;
     StageHook& operator=(const StageHook&) = delete;
 
     SUNNonlinearSolver get() const { return solver_; }
     const ContactReport& report() const { return content_.report; }
+    long solves() const { return content_.solves; }
     /// Raises what the last solve caught, if anything.
     void rethrow();
 
@@ -40,7 +43,7 @@ private:
     struct Content {
         StageSolver* stages;
         State* target;
-        Fetch fetch;
+        Client* client;
         ContactReport report;
         std::exception_ptr caught;
         long solves = 0;

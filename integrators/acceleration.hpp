@@ -1,0 +1,24 @@
+// y' at a given state: what explicit stages and the start of a multistep method need.
+#pragma once
+
+#include "tact/lib/stage.hpp"
+
+namespace tact {
+
+/// M v' = f - K u - r(u) - D v + B_C' mu, where the rows C that are closed and not opening keep B_C v' >= 0, mu >= 0; for
+/// problems of first order D u' = f - K u - r(u) + B_C' mu with B_C u' >= 0.
+class Derivative {
+public:
+    /// Both must outlive it.
+    Derivative(const ContactProblem& problem, ContactWorkspace& workspace);
+    /// out = y' at (t, y), t from the right. NumericalError if the contact solve does not converge.
+    void operator()(double t, const ConstVectorRef& y, VectorRef out);
+
+private:
+    const ContactProblem& problem_;
+    ContactWorkspace& workspace_;
+    StageSolver stages_;
+    Vector force_, work_, gap_, rate_, bound_, mu_, solution_, scratch_;
+};
+
+}  // namespace tact

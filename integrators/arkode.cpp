@@ -1,0 +1,54 @@
+#include "tact/integrators/arkode.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "tact/integrators/naming.hpp"
+#include "tact/integrators/sundials/arkode_run.hpp"
+
+namespace tact {
+namespace {
+
+void check_positive(const char* name, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+        throw InputError(std::string("Arkode: ") + name + " is " + std::to_string(value) + ", expected > 0");
+}
+
+}  // namespace
+
+Arkode::Arkode(ButcherTable table) : table_(std::move(table)), adaptive_(false) { validate(table_); }
+
+Arkode::Arkode(ButcherTable table, const Options& options)
+    : table_(std::move(table)), options_(options), adaptive_(true) {
+    validate(table_);
+    check_positive("rtol", options.rtol);
+    check_positive("atol", options.atol);
+    if (table_.b_embedded.size() == 0)
+        throw InputError("Arkode: table " + table_.name + " has no b_embedded, expected one for adaptive steps");
+    if (!(options.first_step >= 0) || !(options.max_step >= 0))
+        throw InputError("Arkode: first_step is " + std::to_string(options.first_step) + " and max_step is " +
+                         std::to_string(options.max_step) + ", expected neither negative");
+}
+
+std::string Arkode::name() const {
+    std::string name = "ARKODE " + table_.name;
+    if (adaptive_) name += " rtol=" + short_number(options_.rtol);
+    return options_.newton ? name + " Newton" : name;
+}
+
+std::unique_ptr<Run> Arkode::start(const ContactProblem& problem, const TimeGrid& grid,
+                                   ContactWorkspace& workspace) const {
+    if (problem.is_static())
+        throw InputError("Arkode: the problem has neither M nor D, expected one; use QuasiStatic");
+    if (problem.constraints() > 0) {
+        if (!table_.stiffly_accurate())
+            throw InputError("Arkode: table " + table_.name +
+                             " is not stiffly accurate, expected its last row of A to be b under contact");
+        if (options_.newton)
+            throw InputError("Arkode: newton with " + std::to_string(problem.constraints()) +
+                             " contact constraints, expected none; leave it off");
+    }
+    return sundials::arkode_run(problem, grid, workspace, table_, options_, adaptive_);
+}
+
+}  // namespace tact

@@ -1,0 +1,115 @@
+#include "tact/integrators/bdf2_without_jump.hpp"
+
+#include <utility>
+
+#include "tact/integrators/hermite.hpp"
+#include "tact/integrators/impact.hpp"
+#include "tact/integrators/naming.hpp"
+
+namespace tact {
+namespace {
+
+class WithoutJumpRun final : public Run {
+public:
+    WithoutJumpRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+                   double restitution)
+        : problem_(problem),
+          grid_(grid),
+          stages_(problem, workspace),
+          velocity_(problem, workspace, restitution, false),
+          now_(problem, grid.t0),
+          next_(now_),
+          before_(now_.y),
+          history_(now_.y.size()),
+          impulse_(problem.size()),
+          momentum_(problem.size()),
+          closing_(Vector::Zero(problem.constraints())) {}
+
+    const State& state() const override { return now_; }
+    void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
+
+    StepReport advance() override {
+        const double h = grid_.dt;
+        const bool first = now_.step == 0;
+        const double a = first ? 1 / h : 1.5 / h;
+        if (first)
+            history_ = now_.y / -h;
+        else
+            history_ = -2 / h * now_.y + 0.5 / h * before_;
+        StepReport report{grid_.t(now_.step + 1), now_.step + 1};
+        const Index n = now_.n;
+        guess();
+        next_.lambda = closing_;
+        report.contact = stages_.solve(Stage{report.t, a, history_.head(n), history_.tail(n)}, next_);
+        report.outcome = report.contact.outcome;
+        if (report.outcome != Outcome::converged) return report;
+        closing_ = next_.lambda;
+        before_ = now_.y;
+        if (report.contact.active > 0) {
+            report.impact = impact(a);
+            report.outcome = report.impact->outcome;
+            if (report.outcome != Outcome::converged) return report;
+        }
+        next_.step = report.step;
+        std::swap(now_, next_);
+        return report;
+    }
+
+private:
+    /// From next_ = (u1, v_BDF2, nu) to (u1, v1, P/h), and before_ to the history of the next step.
+    ContactReport impact(double a) {
+        const double h = grid_.dt;
+        const Index n = now_.n;
+        problem_.B.multiply_transposed(next_.lambda, impulse_);
+        momentum_ = impulse_;
+        velocity_.solve_mass(1 / a, momentum_);
+        free_ = next_.v() - momentum_ / a;  // w
+        if (problem_.D) velocity_.solve_mass(0, impulse_);
+        const Vector& shift = problem_.D ? impulse_ : momentum_;  // M^-1 B' nu
+        before_.head(n) += shift / (a * a);
+        problem_.M->multiply(free_, momentum_);
+        const ContactReport report = velocity_.project(now_, momentum_, h, next_);
+        if (report.outcome != Outcome::converged) return report;
+        free_ = next_.v() - free_;  // d_v
+        before_.head(n) -= h * free_;
+        before_.tail(n) += free_;
+        return report;
+    }
+
+    /// Extrapolation in time: what an iterative solver starts from.
+    void guess() {
+        if (!stages_.reads_guess() && !problem_.r) return;
+        older_ = next_.u();
+        if (now_.step >= 2)
+            next_.u() = 3 * now_.u() - 3 * older_ + oldest_;
+        else
+            next_.u() = now_.u() + grid_.dt * now_.v();
+        oldest_ = older_;
+    }
+
+    const ContactProblem& problem_;
+    TimeGrid grid_;
+    StageSolver stages_;
+    VelocityProjection velocity_;
+    State now_, next_;  // after a step next_ is the one before
+    Vector before_;     // (ub, vb)
+    Vector history_, impulse_, momentum_, free_, older_, oldest_;
+    Vector closing_;  // position multipliers of the last step
+};
+
+}  // namespace
+
+Bdf2WithoutJump::Bdf2WithoutJump(double restitution) : restitution_(restitution) {
+    if (!(restitution >= 0 && restitution <= 1))
+        throw InputError("Bdf2WithoutJump: restitution is " + std::to_string(restitution) + ", expected from 0 to 1");
+}
+
+std::string Bdf2WithoutJump::name() const { return "BDF2 without jump e=" + short_number(restitution_); }
+
+std::unique_ptr<Run> Bdf2WithoutJump::start(const ContactProblem& problem, const TimeGrid& grid,
+                                            ContactWorkspace& workspace) const {
+    if (!problem.second_order()) throw InputError("Bdf2WithoutJump: the problem has no M, expected one; use Bdf2");
+    return std::make_unique<WithoutJumpRun>(problem, grid, workspace, restitution_);
+}
+
+}  // namespace tact

@@ -1,0 +1,52 @@
+#include "tact/integrators/ida.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "tact/integrators/naming.hpp"
+#include "tact/integrators/sundials/ida_run.hpp"
+
+namespace tact {
+namespace {
+
+void check_positive(const char* name, double value) {
+    if (!(value > 0) || !std::isfinite(value))
+        throw InputError(std::string("Ida: ") + name + " is " + std::to_string(value) + ", expected > 0");
+}
+
+}  // namespace
+
+Ida::Ida(const Options& options) : options_(options) {
+    check_positive("rtol", options.rtol);
+    check_positive("atol", options.atol);
+    if (options.max_order < 1 || options.max_order > 5)
+        throw InputError("Ida: max_order is " + std::to_string(options.max_order) + ", expected from 1 to 5");
+    if (!(options.first_step >= 0) || !(options.max_step >= 0))
+        throw InputError("Ida: first_step is " + std::to_string(options.first_step) + " and max_step is " +
+                         std::to_string(options.max_step) + ", expected neither negative");
+}
+
+Ida Ida::fixed_step() {
+    Ida ida;
+    ida.fixed_ = true;
+    ida.options_.most_steps = 0;
+    return ida;
+}
+
+std::string Ida::name() const {
+    if (fixed_) return "IDA fixed step";
+    std::string name = "IDA rtol=" + short_number(options_.rtol);
+    if (options_.max_order != 2) name += " order<=" + std::to_string(options_.max_order);
+    return options_.newton ? name + " Newton" : name;
+}
+
+std::unique_ptr<Run> Ida::start(const ContactProblem& problem, const TimeGrid& grid,
+                                ContactWorkspace& workspace) const {
+    if (problem.is_static()) throw InputError("Ida: the problem has neither M nor D, expected one; use QuasiStatic");
+    if (options_.newton && problem.constraints() > 0)
+        throw InputError("Ida: newton with " + std::to_string(problem.constraints()) +
+                         " contact constraints, expected none; leave it off");
+    return sundials::ida_run(problem, grid, workspace, options_, fixed_);
+}
+
+}  // namespace tact

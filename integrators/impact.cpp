@@ -1,0 +1,121 @@
+#include "tact/integrators/impact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace tact {
+
+VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
+                                       bool energy_theorem)
+    : problem_(problem),
+      workspace_(workspace),
+      restitution_(restitution),
+      safeguard_((restitution > 0 || !energy_theorem) && problem.c.constant()),
+      closed_(problem.constraints()),
+      rate_(Vector::Zero(problem.constraints())),
+      off_(Vector::Constant(problem.constraints(), -infinity)),
+      impulse_(Vector::Zero(problem.constraints())),
+      none_(Vector::Zero(problem.constraints())),
+      work_(problem.size()),
+      difference_(problem.size()),
+      safe_v_(problem.size()),
+      safe_impulse_(problem.constraints()),
+      scratch_(std::max(problem.c.modes.cols(), problem.f.modes.cols())) {
+    if (!(restitution >= 0 && restitution <= 1))
+        throw InputError("VelocityProjection: restitution is " + std::to_string(restitution) +
+                         ", expected from 0 to 1");
+    if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
+    if (const Vector* m = problem.M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
+}
+
+void VelocityProjection::solve_mass(double damping, VectorRef x) {
+    const bool damped = damping != 0 && problem_.D;
+    if (!damped && inverse_mass_.size() > 0) {
+        x.array() *= inverse_mass_.array();
+        return;
+    }
+    // A contact solve with every row switched off.
+    std::shared_ptr<PreparedContact>& prepared = damped ? damped_mass_ : mass_;
+    if (!prepared || (damped && damping != damping_)) {
+        prepared = workspace_.prepared(problem_, {1, damped ? damping : 0, 0});
+        if (damped) damping_ = damping;
+    }
+    work_ = x;
+    none_.setZero();
+    const ContactReport report = prepared->solve(work_, off_, {x, none_});
+    if (report.outcome != Outcome::converged)
+        throw NumericalError("VelocityProjection: the solve with M ended " + std::string(to_string(report.outcome)));
+}
+
+ContactReport VelocityProjection::solve(const ConstVectorRef& momentum, VectorRef v, VectorRef impulse) {
+    if (!mass_) mass_ = workspace_.prepared(problem_, {1, 0, 0});
+    return mass_->solve(momentum, closed_, {v, impulse});
+}
+
+ContactReport VelocityProjection::project(const State& before, const ConstVectorRef& momentum, double h,
+                                          State& next) {
+    if (!(next.lambda.array() > 0).any()) {
+        next.v() = momentum;
+        solve_mass(0, next.v());
+        next.lambda.setZero();
+        return {};
+    }
+    if (!problem_.c.constant()) {
+        problem_.c.evaluate(next.t, Side::right, scratch_, closed_);
+        problem_.c.evaluate(before.t, Side::right, scratch_, rate_);
+        rate_ = (closed_ - rate_) / h;
+    }
+    if (restitution_ > 0) {
+        problem_.B.multiply(before.v(), closed_);
+        // A row that already opens before the impact is not pulled back by it.
+        closed_ = rate_ - restitution_ * (closed_ - rate_).cwiseMin(0.0);
+    } else {
+        closed_ = rate_;
+    }
+    closed_ = (next.lambda.array() > 0).select(closed_, off_);
+    impulse_ = (next.lambda.array() > 0).select(impulse_, 0.0);
+    next.v() = before.v();
+    ContactReport report = solve(momentum, next.v(), impulse_);
+    if (report.outcome != Outcome::converged) return report;
+    if (safeguard_) keep_energy(before, momentum, next);
+    next.lambda = impulse_ / h;
+    return report;
+}
+
+double VelocityProjection::excess_energy(const State& before, const State& next) {
+    const ContactProblem& p = problem_;
+    difference_ = next.u() - before.u();
+    work_ = next.u() + before.u();
+    p.K.multiply(work_, safe_v_);
+    double excess = 0.5 * difference_.dot(safe_v_);
+    if (p.r && p.r->energy) excess += p.r->energy(next.u()) - p.r->energy(before.u());
+    p.f.evaluate(before.t, Side::right, scratch_, work_);
+    p.f.evaluate(next.t, Side::left, scratch_, safe_v_);
+    excess -= 0.5 * (work_ + safe_v_).dot(difference_);
+    difference_ = next.v() - before.v();
+    work_ = next.v() + before.v();
+    p.M->multiply(work_, safe_v_);
+    return excess + 0.5 * difference_.dot(safe_v_);
+}
+
+void VelocityProjection::keep_energy(const State& before, const ConstVectorRef& momentum, State& next) {
+    const double excess = excess_energy(before, next);
+    if (!(excess > 0)) return;
+    closed_ = (next.lambda.array() > 0).select(rate_, off_);
+    safe_v_ = next.v();
+    safe_impulse_ = impulse_;
+    if (solve(momentum, safe_v_, safe_impulse_).outcome != Outcome::converged) return;
+    // |d|^2 theta^2 / 2 + v'M d theta + excess = 0, the smaller root; where there is none, the energy's least.
+    difference_ = safe_v_ - next.v();
+    problem_.M->multiply(difference_, work_);
+    const double square = difference_.dot(work_), slope = next.v().dot(work_);
+    if (!(square > 0)) return;
+    const double discriminant = slope * slope - 2 * square * excess;
+    const double root = (-slope - std::sqrt(std::max(discriminant, 0.0))) / square;
+    const double theta = std::clamp(root, 0.0, 1.0);
+    next.v() += theta * difference_;
+    impulse_ += theta * (safe_impulse_ - impulse_);
+}
+
+}  // namespace tact

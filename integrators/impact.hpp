@@ -1,0 +1,41 @@
+// The velocity level of schemes that keep the impact law apart from the position constraint.
+#pragma once
+
+#include "tact/lib/stage.hpp"
+
+namespace tact {
+
+/// v := argmin |v - w|_M  subject to  B_C v >= c' - e (B_C v_before - c')  on the rows C that the position constraint
+/// closed; its multiplier is the impulse P >= 0, so that M (v - w) = B_C' P. Newton's law with restitution e.
+///
+/// For e > 0, and wherever a scheme has no energy theorem, the safeguard keeps mechanical energy from growing by more
+/// than the work of the load (constant gaps only): v moves from its projection towards that with e = 0, as far as the
+/// balance asks.
+class VelocityProjection {
+public:
+    /// Both must outlive it. InputError unless 0 <= e <= 1 and the problem has an M.
+    VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
+                       bool energy_theorem);
+
+    /// x := (M + damping D)^-1 x: by the lumped diagonal or one factor.
+    void solve_mass(double damping, VectorRef x);
+    /// From `momentum` = M w, and `next` with u and the position multipliers (> 0: a closed row), its v and, in
+    /// lambda, the impulse over h. Without closed rows v = w and lambda = 0.
+    ContactReport project(const State& before, const ConstVectorRef& momentum, double h, State& next);
+
+private:
+    ContactReport solve(const ConstVectorRef& momentum, VectorRef v, VectorRef impulse);
+    void keep_energy(const State& before, const ConstVectorRef& momentum, State& next);
+    double excess_energy(const State& before, const State& next);
+
+    const ContactProblem& problem_;
+    ContactWorkspace& workspace_;
+    double restitution_;
+    bool safeguard_;
+    Vector inverse_mass_;  // of a diagonal M
+    std::shared_ptr<PreparedContact> mass_, damped_mass_;
+    double damping_ = 0;
+    Vector closed_, rate_, off_, impulse_, none_, work_, difference_, safe_v_, safe_impulse_, scratch_;
+};
+
+}  // namespace tact

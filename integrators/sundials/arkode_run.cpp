@@ -1,0 +1,294 @@
+#include "tact/integrators/sundials/arkode_run.hpp"
+
+#include <arkode/arkode_arkstep.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "tact/integrators/acceleration.hpp"
+#include "tact/integrators/sundials/check.hpp"
+#include "tact/integrators/sundials/linear_hook.hpp"
+#include "tact/integrators/sundials/stage_hook.hpp"
+#include "tact/integrators/sundials/vector.hpp"
+
+namespace tact::sundials {
+namespace {
+
+Eigen::Map<Vector> map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
+
+struct StageData {
+    double t = 0, gamma = 0;
+    N_Vector predicted = nullptr, known = nullptr;
+};
+
+StageData stage_data(void* arkode) {
+    StageData data;
+    N_Vector z = nullptr, f = nullptr;
+    void* user = nullptr;
+    check(ARKStepGetNonlinearSystemData(arkode, &data.t, &data.predicted, &z, &f, &data.gamma, &data.known, &user),
+          "ARKStepGetNonlinearSystemData");
+    return data;
+}
+
+class ArkodeRun final : public Run, private StageHook::Client, private LinearHook::Client {
+public:
+    ArkodeRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+              const ButcherTable& table, const Arkode::Options& options, bool adaptive)
+        : problem_(problem),
+          grid_(grid),
+          workspace_(workspace),
+          options_(options),
+          adaptive_(adaptive),
+          derivative_(problem, workspace),
+          stages_(problem, workspace),
+          now_(problem, grid.t0),
+          next_(now_),
+          before_t_(grid.t0),
+          history_(now_.y.size()),
+          slope_(now_.y.size()),
+          y_(now_.y),
+          scratch_(now_.y),
+          y_view_(context_, y_),
+          scratch_view_(context_, scratch_),
+          hook_(context_, stages_, next_, *this),
+          linear_(context_, *this),
+          memory_(ARKStepCreate(nullptr, &ArkodeRun::right_side, grid.t0, y_view_.get(), context_.get())) {
+        if (!memory_) throw NumericalError("SUNDIALS: ARKStepCreate failed");
+        begin(table);
+    }
+    ~ArkodeRun() override { ARKStepFree(&memory_); }
+    ArkodeRun(const ArkodeRun&) = delete;
+    ArkodeRun& operator=(const ArkodeRun&) = delete;
+
+    const State& state() const override { return now_; }
+    RunCounters counters() const override { return counters_; }
+    void dense(double t, State& out) const override {
+        if (!(t >= before_t_ && t <= now_.t))
+            throw InputError("Arkode: dense output at t = " + std::to_string(t) + ", expected in the last step");
+        check(ARKStepGetDky(memory_, t, 0, scratch_view_.get()), "ARKStepGetDky");
+        out = now_;
+        out.t = t;
+        out.y = scratch_;
+    }
+
+    StepReport advance() override {
+        StepReport report{now_.t, now_.step + 1};
+        if (tries_ >= options_.most_steps) {
+            report.outcome = Outcome::step_limit;
+            return report;
+        }
+        next_.lambda = now_.lambda;
+        double reached = now_.t;
+        const int flag = ARKStepEvolve(memory_, grid_.t(grid_.steps), y_view_.get(), &reached, ARK_ONE_STEP);
+        count();
+        if (flag < 0) return failed(flag, std::move(report));
+        before_t_ = now_.t;
+        report.t = adaptive_ ? reached : grid_.t(report.step);
+        now_.y = y_;
+        if (options_.newton) {
+            linear_.forget();
+        } else {
+            report.contact = hook_.report();
+            if (problem_.constraints() > 0)
+                now_.y = next_.y;  // the last stage: y_ to rounding, and what was certified
+            now_.lambda = next_.lambda;
+        }
+        now_.t = report.t;
+        now_.step = report.step;
+        return report;
+    }
+
+private:
+    void begin(const ButcherTable& table) {
+        void* arkode = memory_;
+        check(ARKStepSetErrHandlerFn(arkode, keep_quiet, nullptr), "ARKStepSetErrHandlerFn");
+        check(ARKStepSetUserData(arkode, this), "ARKStepSetUserData");
+        // SUNDIALS wants rows, ours are columns.
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> A = table.A;
+        Vector b = table.b, c = table.c, d = table.b_embedded;
+        ARKodeButcherTable created =
+            ARKodeButcherTable_Create(static_cast<int>(table.stages()), table.order, table.embedded_order, c.data(),
+                                      A.data(), b.data(), d.size() > 0 ? d.data() : nullptr);
+        if (!created) throw NumericalError("SUNDIALS: ARKodeButcherTable_Create failed");
+        const int flag = ARKStepSetTables(arkode, table.order, table.embedded_order, created, nullptr);
+        ARKodeButcherTable_Free(created);
+        check(flag, "ARKStepSetTables");
+        check(ARKStepSetPredictorMethod(arkode, 0), "ARKStepSetPredictorMethod");
+        check(ARKStepSetInterpolantType(arkode, ARK_INTERP_LAGRANGE), "ARKStepSetInterpolantType");
+        check(ARKStepSetMaxNumSteps(arkode, -1), "ARKStepSetMaxNumSteps");
+        check(ARKStepWFtolerances(arkode, &ArkodeRun::weights), "ARKStepWFtolerances");
+        if (adaptive_) {
+            const double length = grid_.t(grid_.steps) - grid_.t0;
+            check(ARKStepSetInitStep(arkode, options_.first_step > 0 ? options_.first_step : 1e-3 * length),
+                  "ARKStepSetInitStep");
+            if (options_.max_step > 0) check(ARKStepSetMaxStep(arkode, options_.max_step), "ARKStepSetMaxStep");
+            check(ARKStepSetStopTime(arkode, grid_.t(grid_.steps)), "ARKStepSetStopTime");
+        } else {
+            check(ARKStepSetFixedStep(arkode, grid_.dt), "ARKStepSetFixedStep");
+        }
+        if (options_.newton) {
+            check(ARKStepSetLinearSolver(arkode, linear_.get(), nullptr), "ARKStepSetLinearSolver");
+        } else {
+            check(ARKStepSetNonlinearSolver(arkode, hook_.get()), "ARKStepSetNonlinearSolver");
+            check(ARKStepSetDeduceImplicitRhs(arkode, SUNTRUE), "ARKStepSetDeduceImplicitRhs");
+        }
+    }
+
+    /// 1 / (rtol |u| + atol), and nothing for v: it jumps at impacts, where any tolerance would fail.
+    static int weights(N_Vector y, N_Vector out, void* memory) {
+        const auto& run = *static_cast<ArkodeRun*>(memory);
+        auto weight = map(out);
+        weight.setZero();
+        weight.head(run.now_.n) =
+            (run.options_.rtol * map(y).head(run.now_.n).array().abs() + run.options_.atol).inverse();
+        return 0;
+    }
+
+    /// z = predicted + known + gamma f(z), so that f = (z - predicted - known) / gamma
+    Stage stage() override {
+        const StageData data = stage_data(memory_);
+        const double a = 1 / data.gamma;
+        history_ = -a * (map(data.predicted) + map(data.known));
+        predicted_ = data.predicted;
+        stage_a_ = a;
+        next_.y = map(data.predicted);
+        return {data.t, a, history_.head(now_.n), history_.tail(history_.size() - now_.n)};
+    }
+    void correct(N_Vector correction) override {
+        map(correction) = next_.y - map(predicted_);
+        slope_ = stage_a_ * next_.y + history_;
+        slope_known_ = true;
+    }
+
+    /// f(t, y) where SUNDIALS asks for it: explicit first stages, and its Newton iteration.
+    static int right_side(double t, N_Vector y, N_Vector out, void* memory) {
+        auto& run = *static_cast<ArkodeRun*>(memory);
+        try {
+            auto slope = map(out);
+            const auto at = map(y);
+            // The step starts from the last stage: its slope, contact forces included, is known.
+            const bool known =
+                run.slope_known_ && t == run.next_.t &&
+                (at - run.next_.y).lpNorm<Eigen::Infinity>() <= 1e-12 * run.next_.y.lpNorm<Eigen::Infinity>();
+            if (known)
+                slope = run.slope_;
+            else
+                run.derivative_(t, at, slope);
+            return 0;
+        } catch (...) {
+            run.caught_ = std::current_exception();
+            return -1;
+        }
+    }
+
+    /// (M + g D + g^2 (K + r')) x_v = M b_v - g (K + r') b_u,  x_u = b_u + g x_v;  first order: (D + g K) x = D b
+    void solve_linear(N_Vector x_vector, N_Vector b_vector) override {
+        ++counters_.stages;
+        const ContactProblem& p = problem_;
+        const double gamma = stage_data(memory_).gamma;
+        const Index n = now_.n;
+        const auto b = map(b_vector);
+        auto x = map(x_vector);
+        force_.resize(n);
+        solution_.setZero(n);
+        none_.resize(0);
+        std::optional<Matrix> tangent;
+        if (p.r) tangent = p.r->tangent(map(stage_data(memory_).predicted).head(n));
+        Combination combination;
+        if (p.second_order()) {
+            combination = {1, gamma, gamma * gamma};
+            p.M->multiply(b.tail(n), force_);
+            p.K.multiply(b.head(n), force_, -gamma, 1);
+            if (tangent) tangent->multiply(b.head(n), force_, -gamma, 1);
+        } else {
+            combination = {0, 1, gamma};
+            p.D->multiply(b, force_);
+        }
+        const auto solve = [&](PreparedContact& prepared) {
+            const ContactReport report = prepared.solve(force_, none_, {solution_, none_});
+            if (report.outcome != Outcome::converged)
+                throw NumericalError("Arkode: the linear solve ended " + std::string(to_string(report.outcome)));
+        };
+        if (tangent) {
+            const Matrix A = combine(combination.stiffness, *tangent, 1, combined(p, combination));
+            solve(*workspace_.solver().prepare(A, p.B));
+        } else {
+            solve(*workspace_.prepared(p, combination));
+        }
+        if (p.second_order()) {
+            x.head(n) = b.head(n) + gamma * solution_;
+            x.tail(n) = solution_;
+        } else {
+            x = solution_;
+        }
+    }
+
+    void count() {
+        long steps = 0, error_failures = 0, stage_failures = 0;
+        ARKStepGetNumStepAttempts(memory_, &steps);
+        ARKStepGetNumErrTestFails(memory_, &error_failures);
+        ARKStepGetNumNonlinSolvConvFails(memory_, &stage_failures);
+        tries_ = steps;
+        counters_.error_failures = error_failures;
+        counters_.stage_failures = stage_failures;
+        if (!options_.newton) counters_.stages = hook_.solves();
+    }
+
+    StepReport failed(int flag, StepReport report) {
+        if (caught_) std::rethrow_exception(std::exchange(caught_, nullptr));
+        hook_.rethrow();
+        report.contact = hook_.report();
+        switch (flag) {
+            case ARK_TOO_MUCH_WORK: report.outcome = Outcome::step_limit; break;
+            case ARK_TOO_MUCH_ACC: report.outcome = Outcome::tolerance_too_small; break;
+            case ARK_ERR_FAILURE:
+                report.outcome = Outcome::step_too_small;
+                report.detail = "ARKODE: the error test failed repeatedly or at the smallest step";
+                break;
+            case ARK_CONV_FAILURE:
+            case ARK_NLS_OP_ERR:
+            case ARK_LSOLVE_FAIL:
+                linear_.rethrow();
+                report.outcome =
+                    report.contact.outcome == Outcome::converged ? Outcome::step_too_small : report.contact.outcome;
+                report.detail = "ARKODE: a stage did not converge down to the smallest step";
+                break;
+            default: throw NumericalError("SUNDIALS: ARKStepEvolve returned " + std::to_string(flag));
+        }
+        return report;
+    }
+
+    const ContactProblem& problem_;
+    TimeGrid grid_;
+    ContactWorkspace& workspace_;
+    Arkode::Options options_;
+    bool adaptive_;
+    Context context_;
+    Derivative derivative_;
+    StageSolver stages_;
+    State now_, next_;
+    double before_t_;
+    Vector history_, slope_, y_;
+    mutable Vector scratch_;
+    Vector force_, solution_, none_;
+    VectorView y_view_, scratch_view_;
+    StageHook hook_;
+    LinearHook linear_;
+    void* memory_;
+    N_Vector predicted_ = nullptr;
+    double stage_a_ = 0;
+    bool slope_known_ = false;
+    std::exception_ptr caught_;
+    RunCounters counters_;
+    long tries_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Run> arkode_run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+                                const ButcherTable& table, const Arkode::Options& options, bool adaptive) {
+    return std::make_unique<ArkodeRun>(problem, grid, workspace, table, options, adaptive);
+}
+
+}  // namespace tact::sundials

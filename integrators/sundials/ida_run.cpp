@@ -1,0 +1,311 @@
+#include "tact/integrators/sundials/ida_run.hpp"
+
+#include <ida/ida.h>
+
+#include <cmath>
+#include <utility>
+
+#include "tact/integrators/acceleration.hpp"
+#include "tact/integrators/sundials/check.hpp"
+#include "tact/integrators/sundials/linear_hook.hpp"
+#include "tact/integrators/sundials/stage_hook.hpp"
+#include "tact/integrators/sundials/vector.hpp"
+
+namespace tact::sundials {
+namespace {
+
+/// IDA's memory, freed before the context and after everything it was handed.
+class Memory {
+public:
+    explicit Memory(const Context& context) : memory_(IDACreate(context.get())) {
+        if (!memory_) throw NumericalError("SUNDIALS: IDACreate failed");
+    }
+    ~Memory() { IDAFree(&memory_); }
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+    void* get() const { return memory_; }
+
+private:
+    void* memory_;
+};
+
+struct NonlinearData {
+    double t = 0, cj = 0;
+    N_Vector y_predicted = nullptr, yp_predicted = nullptr;
+};
+
+NonlinearData nonlinear_data(void* ida) {
+    NonlinearData data;
+    N_Vector y = nullptr, yp = nullptr, residual = nullptr;
+    void* user = nullptr;
+    check(IDAGetNonlinearSystemData(ida, &data.t, &data.y_predicted, &data.yp_predicted, &y, &yp, &residual, &data.cj,
+                                    &user),
+          "IDAGetNonlinearSystemData");
+    return data;
+}
+
+Eigen::Map<Vector> map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
+
+class IdaRun final : public Run, private StageHook::Client, private LinearHook::Client {
+public:
+    IdaRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+           const Ida::Options& options, bool fixed)
+        : problem_(problem),
+          grid_(grid),
+          workspace_(workspace),
+          options_(options),
+          fixed_(fixed),
+          stages_(problem, workspace),
+          now_(problem, grid.t0),
+          next_(now_),
+          before_t_(grid.t0),
+          history_(now_.y.size()),
+          // A clock t^2 beside y: the one component in the error test of fixed steps. Order 1 does not follow it, order 2
+          // does exactly, and so IDA stays at order 2.
+          y_(now_.y.size() + (fixed ? 1 : 0)),
+          yp_(y_.size()),
+          id_(Vector::Zero(y_.size())),
+          y_view_(context_, y_),
+          yp_view_(context_, yp_),
+          id_view_(context_, id_),
+          hook_(context_, stages_, next_, *this),
+          linear_(context_, *this),
+          ida_(context_) {
+        begin();
+    }
+
+    const State& state() const override { return now_; }
+    RunCounters counters() const override { return counters_; }
+    std::string_view warning() const override {
+        const bool risky = options_.max_order > 2 && problem_.constraints() > 0;
+        return risky ? "BDF of order above 2 gains energy in impacts" : "";
+    }
+    void dense(double t, State& out) const override {
+        if (!(t >= before_t_ && t <= now_.t))
+            throw InputError("Ida: dense output at t = " + std::to_string(t) + ", expected in the last step");
+        check(IDAGetDky(ida_.get(), t, 0, scratch_view_->get()), "IDAGetDky");
+        out = now_;
+        out.t = t;
+        out.y = scratch_.head(now_.y.size());
+    }
+
+    StepReport advance() override {
+        StepReport report{grid_.t(grid_.steps), now_.step + 1};
+        const double end = report.t;
+        next_.lambda = now_.lambda;
+        double reached = now_.t;
+        if (options_.most_steps > 0 && tries_ >= options_.most_steps) {
+            report.t = now_.t;
+            report.outcome = Outcome::step_limit;
+            return report;
+        }
+        const int flag = IDASolve(ida_.get(), end, &reached, y_view_.get(), yp_view_.get(), IDA_ONE_STEP);
+        count();
+        if (flag < 0) return failed(flag, std::move(report));
+        before_t_ = now_.t;
+        report.t = fixed_ ? grid_.t(report.step) : reached;
+        if (options_.newton) {
+            now_.y = y_.head(now_.y.size());
+            linear_.forget();
+        } else {
+            report.contact = hook_.report();
+            std::swap(now_.y, next_.y);  // y_ to rounding, and the very state that was certified
+            now_.lambda.swap(next_.lambda);
+        }
+        now_.t = report.t;
+        now_.step = report.step;
+        return report;
+    }
+
+private:
+    Index size() const { return now_.y.size(); }
+
+    void begin() {
+        y_.head(size()) = now_.y;
+        Derivative(problem_, workspace_)(grid_.t0, now_.y, yp_.head(size()));
+        if (fixed_) {
+            y_[size()] = 0;  // the clock runs from t0
+            yp_[size()] = 0;
+            id_[size()] = 1;
+        } else {
+            id_.head(now_.n).setOnes();
+        }
+        scratch_ = y_;
+        scratch_view_.emplace(context_, scratch_);
+        void* ida = ida_.get();
+        check(IDASetErrHandlerFn(ida, keep_quiet, nullptr), "IDASetErrHandlerFn");
+        check(IDAInit(ida, &IdaRun::residual, grid_.t0, y_view_.get(), yp_view_.get()), "IDAInit");
+        check(IDASetUserData(ida, this), "IDASetUserData");
+        // Fixed steps: wide enough for the clock's two steps of order 1, whose error is about dt^2.
+        check(IDASStolerances(ida, fixed_ ? 1e-10 : options_.rtol, fixed_ ? 10 * grid_.dt * grid_.dt : options_.atol),
+              "IDASStolerances");
+        check(IDASetId(ida, id_view_.get()), "IDASetId");
+        check(IDASetSuppressAlg(ida, SUNTRUE), "IDASetSuppressAlg");
+        check(IDASetMaxOrd(ida, options_.max_order), "IDASetMaxOrd");
+        check(IDASetMaxNumSteps(ida, -1), "IDASetMaxNumSteps");
+        if (fixed_) {
+            check(IDASetInitStep(ida, grid_.dt), "IDASetInitStep");
+            check(IDASetMinStep(ida, grid_.dt), "IDASetMinStep");
+            check(IDASetMaxStep(ida, grid_.dt), "IDASetMaxStep");
+        } else {
+            check(IDASetStopTime(ida, grid_.t(grid_.steps)), "IDASetStopTime");
+            if (options_.first_step > 0) check(IDASetInitStep(ida, options_.first_step), "IDASetInitStep");
+            if (options_.max_step > 0) check(IDASetMaxStep(ida, options_.max_step), "IDASetMaxStep");
+        }
+        if (options_.newton)
+            check(IDASetLinearSolver(ida, linear_.get(), nullptr), "IDASetLinearSolver");
+        else
+            check(IDASetNonlinearSolver(ida, hook_.get()), "IDASetNonlinearSolver");
+    }
+
+    Stage stage() override {
+        const NonlinearData data = nonlinear_data(ida_.get());
+        stage_t_ = fixed_ ? grid_.t(now_.step + 1) : data.t;
+        clock_t_ = data.t - grid_.t0;
+        const auto predicted = map(data.y_predicted).head(size());
+        history_ = map(data.yp_predicted).head(size()) - data.cj * predicted;
+        next_.y = predicted;
+        predicted_ = data.y_predicted;
+        return {stage_t_, data.cj, history_.head(now_.n), history_.tail(size() - now_.n)};
+    }
+    void correct(N_Vector correction) override {
+        auto change = map(correction);
+        const auto predicted = map(predicted_);
+        change.head(size()) = next_.y - predicted.head(size());
+        if (fixed_) change[size()] = clock_t_ * clock_t_ - predicted[size()];
+    }
+
+    /// F = (u' - v, M v' + D v + K u + r(u) - f): of Newton's iteration only.
+    static int residual(double t, N_Vector y, N_Vector yp, N_Vector out, void* memory) {
+        auto& run = *static_cast<IdaRun*>(memory);
+        try {
+            run.residual(t, map(y), map(yp), map(out));
+            return 0;
+        } catch (...) {
+            run.caught_ = std::current_exception();
+            return -1;
+        }
+    }
+    void residual(double t, const Eigen::Map<Vector>& y, const Eigen::Map<Vector>& yp, Eigen::Map<Vector> out) {
+        const ContactProblem& p = problem_;
+        const Index n = now_.n;
+        auto force = out.tail(n);
+        force = -stages_.load(t, Side::right);
+        p.K.multiply(y.head(n), force, 1, 1);
+        if (p.r) {
+            force_.resize(n);
+            p.r->force(y.head(n), force_);
+            force += force_;
+        }
+        if (!p.second_order()) {
+            p.D->multiply(yp, force, 1, 1);
+            return;
+        }
+        if (p.D) p.D->multiply(y.tail(n), force, 1, 1);
+        p.M->multiply(yp.tail(n), force, 1, 1);
+        out.head(n) = yp.head(n) - y.tail(n);
+    }
+
+    /// (cj^2 M + cj D + K) x_u = b_v + (cj M + D) b_u,  x_v = cj x_u - b_u; with r, of K + r'.
+    void solve_linear(N_Vector x_vector, N_Vector b_vector) override {
+        ++counters_.stages;
+        const NonlinearData data = nonlinear_data(ida_.get());
+        const ContactProblem& p = problem_;
+        const Index n = now_.n;
+        const auto b = map(b_vector);
+        auto x = map(x_vector);
+        force_ = b.tail(n);
+        if (p.second_order()) {
+            p.M->multiply(b.head(n), force_, data.cj, 1);
+            if (p.D) p.D->multiply(b.head(n), force_, 1, 1);
+        }
+        const Combination combination{data.cj * data.cj, data.cj, 1};
+        none_.resize(0);
+        solution_.setZero(n);
+        const auto solve = [&](PreparedContact& prepared) {
+            const ContactReport report = prepared.solve(force_, none_, {solution_, none_});
+            if (report.outcome != Outcome::converged)
+                throw NumericalError("Ida: the linear solve ended " + std::string(to_string(report.outcome)));
+        };
+        if (p.r) {
+            // At the predictor: a modified Newton iteration.
+            const Matrix tangent = p.r->tangent(map(data.y_predicted).head(n));
+            solve(*workspace_.solver().prepare(combine(1, tangent, 1, combined(p, combination)), p.B));
+        } else {
+            solve(*workspace_.prepared(p, combination));
+        }
+        if (p.second_order()) {
+            x.tail(n) = data.cj * solution_ - b.head(n);
+            x.head(n) = solution_;
+        } else {
+            x = solution_;
+        }
+    }
+
+    void count() {
+        long steps = 0, error_failures = 0, stage_failures = 0;
+        IDAGetNumSteps(ida_.get(), &steps);
+        IDAGetNumErrTestFails(ida_.get(), &error_failures);
+        IDAGetNumNonlinSolvConvFails(ida_.get(), &stage_failures);
+        tries_ = steps + error_failures + stage_failures;
+        counters_.error_failures = error_failures;
+        counters_.stage_failures = stage_failures;
+        if (!options_.newton) counters_.stages = hook_.solves();
+    }
+
+    StepReport failed(int flag, StepReport report) {
+        if (caught_) std::rethrow_exception(std::exchange(caught_, nullptr));
+        hook_.rethrow();
+        report.t = now_.t;
+        report.contact = hook_.report();
+        switch (flag) {
+            case IDA_TOO_MUCH_WORK: report.outcome = Outcome::step_limit; break;
+            case IDA_TOO_MUCH_ACC: report.outcome = Outcome::tolerance_too_small; break;
+            case IDA_ERR_FAIL:
+                report.outcome = Outcome::step_too_small;
+                report.detail = "IDA: the error test failed repeatedly or at the smallest step";
+                break;
+            case IDA_CONV_FAIL:
+            case IDA_NLS_FAIL:
+            case IDA_LSOLVE_FAIL:
+                linear_.rethrow();
+                report.outcome =
+                    report.contact.outcome == Outcome::converged ? Outcome::step_too_small : report.contact.outcome;
+                report.detail = "IDA: the stage did not converge down to the smallest step";
+                break;
+            default: throw NumericalError("SUNDIALS: IDASolve returned " + std::to_string(flag));
+        }
+        return report;
+    }
+
+    const ContactProblem& problem_;
+    TimeGrid grid_;
+    ContactWorkspace& workspace_;
+    Ida::Options options_;
+    bool fixed_;
+    Context context_;
+    StageSolver stages_;
+    State now_, next_;
+    double before_t_;
+    Vector history_, y_, yp_, id_, force_, solution_, none_;
+    mutable Vector scratch_;
+    VectorView y_view_, yp_view_, id_view_;
+    std::optional<VectorView> scratch_view_;
+    StageHook hook_;
+    LinearHook linear_;
+    Memory ida_;
+    double stage_t_ = 0, clock_t_ = 0;
+    N_Vector predicted_ = nullptr;
+    std::exception_ptr caught_;
+    RunCounters counters_;
+    long tries_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Run> ida_run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+                             const Ida::Options& options, bool fixed) {
+    return std::make_unique<IdaRun>(problem, grid, workspace, options, fixed);
+}
+
+}  // namespace tact::sundials

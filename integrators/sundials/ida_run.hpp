@@ -1,0 +1,12 @@
+// IDA's memory and what it is asked for: the inside of Ida.
+#pragma once
+
+#include "tact/integrators/ida.hpp"
+
+namespace tact::sundials {
+
+/// A run of Ida: `fixed` at the grid's dt.
+std::unique_ptr<Run> ida_run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+                             const Ida::Options& options, bool fixed);
+
+}  // namespace tact::sundials
