@@ -30,12 +30,8 @@ public:
         }
         for (; i < count; i += lanes) raise(0, x + i, std::min(lanes, count - i));
     }
-    double highest() const {
-        return fold(highest_, [](double a, double b) { return std::max(a, b); });
-    }
-    double lowest() const {
-        return -fold(lowest_, [](double a, double b) { return std::max(a, -b); });
-    }
+    double highest() const { return fold(highest_[0] > highest_[1] ? highest_[0] : highest_[1]); }
+    double lowest() const { return -fold(lowest_[0] < lowest_[1] ? -lowest_[0] : -lowest_[1]); }
     double largest() const { return std::max(highest(), -lowest()); }
 
 private:
@@ -49,14 +45,14 @@ private:
         lowest_[way] = v < lowest_[way] ? v : lowest_[way];
         sum_[way] += v;  // keeps every NaN; a comparison drops it
     }
-    template <class Larger> double fold(const Lanes (&ways)[2], Larger larger) const {
-        double result = 0;
-        for (const int way : {0, 1})
-            for (Index l = 0; l < lanes; ++l) {
-                if (std::isnan(sum_[way][l])) return infinity;
-                result = larger(result, ways[way][l]);
-            }
-        return result;
+    double fold(const Lanes& best) const {
+        const Lanes sums = sum_[0] + sum_[1];
+        double largest = 0, sum = 0;
+        for (Index l = 0; l < lanes; ++l) {
+            largest = std::max(largest, best[l]);
+            sum += sums[l];
+        }
+        return std::isnan(sum) ? infinity : largest;
     }
     // Two ways, because each comparison waits for the one before.
     Lanes highest_[2] = {}, lowest_[2] = {}, sum_[2] = {};
@@ -82,13 +78,27 @@ public:
              double* __restrict size) const {
         const DenseMatrix* A = dense_.dense();
         if (!A) return sparse_.add(block, sign, x, sum, size);
-        for (Index j = 0; j < A->cols(); ++j) {
-            if (x[j] == 0) continue;  // multipliers mostly are
-            const double* column = &A->coeffRef(block * block_rows, j);
+        // Four columns a pass, because each pass loads and stores the sums; multipliers mostly are zero.
+        for (Index j = 0; j < A->cols();) {
+            const double* column[4];
+            double factor[4] = {};
+            int taken = 0;
+            for (; j < A->cols() && taken < 4; ++j)
+                if (x[j] != 0) {
+                    column[taken] = A->data() + j * A->rows() + block * block_rows;
+                    factor[taken++] = x[j];
+                }
+            if (taken == 0) return;
+            for (int k = taken; k < 4; ++k) column[k] = column[0];
             for (Index i = 0; i < count; ++i) {
-                const double term = column[i] * x[j];
-                sum[i] += sign * term;
-                size[i] += std::abs(term);
+                double total = 0, absolute = 0;
+                for (int k = 0; k < 4; ++k) {
+                    const double term = column[k][i] * factor[k];
+                    total += term;
+                    absolute += std::abs(term);
+                }
+                sum[i] += sign * total;
+                size[i] += absolute;
             }
         }
     }
@@ -153,7 +163,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     KktResiduals kkt;
     const double forces = force_scale.highest();
     kkt.absolute.stationarity = residual.largest();
-    kkt.stationarity = std::isfinite(forces) ? ratio(residual.largest(), forces) : infinity;
+    kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
 
     Range gap, gap_scale, multiplier;
     w.touches.clear();
