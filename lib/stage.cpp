@@ -85,9 +85,14 @@ ContactReport StageSolver::solve(const Stage& stage, State& state) {
     const ContactProblem& p = problem_;
     load(stage.t, Side::right);
     if (p.second_order()) {
-        work_ = stage.b_v + stage.a * stage.b_u;
-        rhs_ = load_;
-        p.M->multiply(work_, rhs_, -1, 1);
+        if (const Vector* mass = p.M->diagonal_entries()) {
+            // One pass: at full size these vectors come from memory.
+            rhs_ = load_ - mass->cwiseProduct(stage.b_v + stage.a * stage.b_u);
+        } else {
+            work_ = stage.b_v + stage.a * stage.b_u;
+            rhs_ = load_;
+            p.M->multiply(work_, rhs_, -1, 1);
+        }
         if (p.D) p.D->multiply(stage.b_u, rhs_, -1, 1);
     } else if (p.D) {
         rhs_ = load_;
