@@ -1,5 +1,6 @@
 #include "tact/integrators/bdf2.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "tact/integrators/hermite.hpp"
@@ -35,23 +36,26 @@ public:
     StepReport advance() override {
         const long step = now_.step + 1;
         const double dt = grid_.dt;
+        next_.lambda = now_.lambda;
         // y' = a y + b:  b = -y_n / dt,  or  (y_n-1 - 4 y_n) / (2 dt)
         if (now_.step == 0) {
             a_ = 1 / dt;
             N_VLinearSum(-1 / dt, now_view_.get(), 0, now_view_.get(), history_view_.get());
         } else {
             a_ = 1.5 / dt;
-            N_VLinearSum(-2 / dt, now_view_.get(), 0.5 / dt, before_view_.get(), history_view_.get());
+            if (!stages_.reads_guess() || !next_is_earlier_)
+                N_VLinearSum(-2 / dt, now_view_.get(), 0.5 / dt, before_view_.get(), history_view_.get());
+            else
+                look_back();
         }
-        next_.lambda = now_.lambda;
-        if (stages_.reads_guess()) guess();
+        if (stages_.reads_guess() && !next_is_earlier_) next_.u() = now_.u() + dt * now_.v();
+        next_is_earlier_ = false;
         t_ = grid_.t(step);
         SUNNonlinSolSolve(hook_.get(), nullptr, next_view_.get(), nullptr, 0, SUNFALSE, nullptr);
         hook_.rethrow();
         const StepReport report{t_, step, hook_.report().outcome, hook_.report(), {}, {}};
         if (report.outcome != Outcome::converged) return report;
         next_.step = step;
-        if (stages_.reads_guess()) earlier_ = before_.head(now_.n);
         // n-1 <- n <- n+1, storage and views together
         before_.swap(now_.y);
         swap(before_view_, now_view_);
@@ -60,6 +64,7 @@ public:
         now_.lambda.swap(next_.lambda);
         now_.t = next_.t;
         now_.step = step;
+        next_is_earlier_ = step >= 2;
         return report;
     }
 
@@ -67,23 +72,30 @@ private:
     Stage stage() override { return {t_, a_, history_.head(now_.n), history_.tail(history_.size() - now_.n)}; }
     void correct(N_Vector) override {}  // there is no predictor: the solution is in next_ already
 
-    /// Extrapolation in time, quadratic as soon as there are three states: what an iterative solver starts from.
-    void guess() {
-        if (now_.step >= 2)
-            next_.u() = 3 * now_.u() - 3 * before_.head(now_.n) + earlier_;
-        else
-            next_.u() = now_.u() + grid_.dt * now_.v();
+    /// The history b, and a guess by quadratic extrapolation in time for an iterative solver, both in one pass: at full
+    /// size the states come from memory. On entry `next_` holds y_n-2.
+    void look_back() {
+        constexpr Index block = 1024;
+        const double dt = grid_.dt;
+        for (Index first = 0; first < before_.size(); first += block) {
+            const Index count = std::min(block, before_.size() - first);
+            const auto now = now_.y.segment(first, count), before = before_.segment(first, count);
+            auto next = next_.y.segment(first, count);
+            history_.segment(first, count) = (-2 / dt) * now + (0.5 / dt) * before;
+            if (first < now_.n) next = 3 * (now - before) + next;
+        }
     }
 
     TimeGrid grid_;
     sundials::Context context_;
     StageSolver stages_;
     State now_, next_;
-    Vector before_, history_, earlier_;
+    Vector before_, history_;
     sundials::VectorView now_view_, next_view_, before_view_, history_view_;
     sundials::StageHook hook_;
     double t_ = 0;
     double a_ = 0;
+    bool next_is_earlier_ = false;  // the storage of `next_` still holds y_n-2
 };
 
 }  // namespace
