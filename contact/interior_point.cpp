@@ -364,9 +364,12 @@ private:
         u_ = unit_.cwiseProduct(at.u);
         lambda_ = Vector::Zero(c.size());
         double size = 0;
+        const double negligible = 1e-12 * size_of(at.multiplier);
         for (Index k = 0; k < p.c.size(); ++k) {
             const Index row = p.rows[static_cast<std::size_t>(k)];
-            const double multiplier = at.multiplier[k] * length_[row];
+            // What the path leaves on a row without contact is nothing.
+            const bool open = k >= p.equations && at.multiplier[k] < std::min(at.slack[k - p.equations], negligible);
+            const double multiplier = open ? 0 : at.multiplier[k] * length_[row];
             size = std::max(size, std::abs(c[row]));
             if (multiplier > 0)
                 lambda_[row] = multiplier;
@@ -379,7 +382,23 @@ private:
                     u_[entry.index()] = c[row] / entry.value();
             }
         }
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+        if (rows_are_met(c))
+            certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+        else
+            report.outcome = Outcome::inaccurate;
+    }
+
+    /// Each row by its own |c_i| + |B_i||u|: the certificate's largest one may be a bound that means none.
+    bool rows_are_met(const ConstVectorRef& c) const {
+        for (Index i = 0; i < c.size(); ++i) {
+            double gap = -c[i], own = std::abs(c[i]);
+            for (SparseMatrix::InnerIterator it(Bt_, i); it; ++it) {
+                gap += it.value() * u_[it.row()];
+                own += std::abs(it.value() * u_[it.row()]);
+            }
+            if (gap < -acceptable * own) return false;
+        }
+        return true;
     }
 
     ContactReport finish(const ContactReport& first, const ConstVectorRef& b, const ConstVectorRef& c,

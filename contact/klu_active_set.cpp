@@ -219,7 +219,7 @@ public:
                         throw NumericalError("KluActiveSet: A is singular (" + std::to_string(b.size()) + "x" +
                                              std::to_string(b.size()) + ")");
                     factored_.reset();
-                    report.outcome = Outcome::unbounded;
+                    report.outcome = Outcome::inaccurate;  // dependent rows in contact
                     return report;
                 }
                 factored_ = active_;

@@ -44,7 +44,7 @@ public:
         u_ = free_ + W_ * lambda_;
         // Twice: the gaps of the free solution were rounded by its size, not by that of u.
         for (int round = 0; round < 2; ++round) refine(b, c);
-        certify(report, certificate_, b, c, u_, lambda_, 1e-10, 1e-3 * size, point);
+        certify(report, certificate_, b, c, u_, lambda_, 1e-10, 1e-10 * size, point);
         return report;
     }
 
@@ -104,16 +104,20 @@ private:
         return report.outcome == Outcome::converged;
     }
 
-    /// Whether y >= 0 has B'y = 0 and c'y > 0 beyond rounding.
-    bool excludes(const Vector& y, const ConstVectorRef& c) const {
+    /// Whether y >= 0 has B'y = 0 and c'y > 0 beyond rounding, in unknowns of unit stiffness.
+    bool excludes(Vector& y, const ConstVectorRef& c) const {
         if (!y.allFinite() || !(y.maxCoeff() > 0)) return false;
-        const Vector force = Bt_ * y, size = Bt_.cwiseAbs() * y;
-        if (!(force.array().abs() <= 1e-9 * size.array()).all()) return false;
+        const Vector energy = y.cwiseQuotient(unit_);
+        y = (energy.array() > 1e-13 * energy.maxCoeff()).select(y, 0.0);
+        const Vector diagonal = A_.main_diagonal().cwiseAbs();
+        const Vector units = diagonal.unaryExpr([](double a) { return a > 0 ? 1 / std::sqrt(a) : 1.0; });
+        const Vector force = (Bt_ * y).cwiseProduct(units), size = (Bt_.cwiseAbs() * y).cwiseProduct(units);
+        if (!(force.lpNorm<Eigen::Infinity>() <= 1e-9 * size.lpNorm<Eigen::Infinity>())) return false;
         const Vector value = (y.array() > 0).select(y.cwiseProduct(c), 0);
         return value.sum() > 1e-9 * value.lpNorm<1>();
     }
 
-    /// S(C, C) lambda_C = g_C; false if the block is singular.
+    /// S(C, C) lambda_C = g_C in units of energy; false if the block is singular.
     bool balance() {
         rows_in_contact_.clear();
         for (Index i = 0; i < g_.size(); ++i)
@@ -125,13 +129,13 @@ private:
         DenseMatrix block(k, k);
         Vector right(k);
         for (Index j = 0; j < k; ++j) {
-            right[j] = g_[row(j)];
-            for (Index i = 0; i < k; ++i) block(i, j) = S_(row(i), row(j));
+            right[j] = unit_[row(j)] * g_[row(j)];
+            for (Index i = 0; i < k; ++i) block(i, j) = unit_[row(i)] * S_(row(i), row(j)) * unit_[row(j)];
         }
         lu_.compute(block);
         if (!(lu_.rcond() > 1e-15)) return false;
         right = lu_.solve(right).eval();
-        for (Index j = 0; j < k; ++j) lambda_[row(j)] = right[j];
+        for (Index j = 0; j < k; ++j) lambda_[row(j)] = unit_[row(j)] * right[j];
         return lambda_.allFinite();
     }
 
@@ -145,15 +149,16 @@ private:
         Vector right(k);
         for (Index j = 0; j < k; ++j) {
             const Index row = rows_in_contact_[static_cast<std::size_t>(j)];
-            right[j] = c[row] - rows_.gather(row, u_.data()) - rows_.gather(row, residual.data());
+            right[j] = unit_[row] * (c[row] - rows_.gather(row, u_.data()) - rows_.gather(row, residual.data()));
         }
         if (k > 0) right = lu_.solve(right).eval();
         if (!right.allFinite() || !residual.allFinite()) return;
         u_ += residual;
         for (Index j = 0; j < k; ++j) {
             const Index row = rows_in_contact_[static_cast<std::size_t>(j)];
-            u_ += right[j] * W_.col(row);
-            lambda_[row] = std::max(lambda_[row] + right[j], 0.0);
+            const double change = unit_[row] * right[j];
+            u_ += change * W_.col(row);
+            lambda_[row] = std::max(lambda_[row] + change, 0.0);
         }
     }
 

@@ -45,7 +45,7 @@ public:
                 break;
             previous = move;
         }
-        if (!(scaled_stationarity(b) <= acceptable && report.kkt.largest() <= acceptable)) {
+        if (!(scaled_stationarity(b) <= acceptable && report.kkt.largest() <= acceptable && rows_are_met(c))) {
             report.outcome = Outcome::iteration_limit;
             return report;
         }
@@ -67,6 +67,13 @@ private:
         if (scale == 0) return 0;
         const double residual = delta_.cwiseProduct(u_ - last_).cwiseProduct(unit_).lpNorm<Eigen::Infinity>();
         return residual / scale;
+    }
+
+    /// Each row by its own size, however rows and unknowns are scaled.
+    bool rows_are_met(const ConstVectorRef& c) const {
+        const Vector gap = B_ * u_ - c;
+        const Vector own = absolute_Bt_.transpose() * u_.cwiseAbs() + c.cwiseAbs();
+        return ((gap.array() >= 0) || (gap.array() >= -1e-9 * own.array())).all();
     }
 
     /// Whether the last step goes where A costs nothing, no row stops it and b pulls: then it can go on for ever.

@@ -13,6 +13,9 @@ namespace {
 constexpr Index block_rows = RowRuns::block_rows;
 using Buffer = double[block_rows];
 
+/// A bound beyond this is a way to write none.
+constexpr double pseudo_infinite = 1e19;
+
 /// Both arguments are max norms; 0/0 = 0.
 double ratio(double numerator, double denominator) {
     if (numerator == 0) return 0;
@@ -125,7 +128,8 @@ double KktResiduals::largest() const {
 
 bool KktResiduals::within(double tolerance, double gap_size) const {
     constexpr double rounding = 1e-13;
-    const auto small = [&](double scaled, double gap) { return scaled <= tolerance || gap <= rounding * gap_size; };
+    const double floor = gap_size < pseudo_infinite ? rounding * gap_size : 0;
+    const auto small = [&](double scaled, double gap) { return scaled <= tolerance || gap <= floor; };
     return stationarity <= tolerance && negativity <= tolerance && small(penetration, absolute.penetration) &&
            small(complementarity, absolute.complementarity);
 }
@@ -175,7 +179,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
             size[i] = std::abs(bound[i]);
         }
         w.B.add(block, count, 1, u.data(), sum, size);
-        for (Index i = 0; i < count; ++i) size[i] = bound[i] == -infinity ? 0.0 : size[i];
+        for (Index i = 0; i < count; ++i) size[i] = bound[i] <= -pseudo_infinite ? 0.0 : size[i];
         gap.take(sum, count);
         gap_scale.take(size, count);
         Range here;

@@ -18,6 +18,7 @@ public:
     PreparedDense(const Matrix& A, const Matrix& B)
         : certificate_(A, B), u_(A.rows()), g_(B.rows()), w_(B.rows()), multiplier_(B.rows()), lambda_(B.rows()) {
         factor_ = DenseLinearSolver().factorize(A);
+        stiffness_ = A.main_diagonal().cwiseSqrt();
         if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
         const DenseMatrix dense_B = B.to_dense();
         W_ = dense_B.transpose();
@@ -32,7 +33,6 @@ public:
         scale_ = (dense_B * W_).diagonal();
         for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
         B_ = scale_.asDiagonal() * dense_B;
-        largest_unit_ = scale_.size() > 0 ? 1 / scale_.minCoeff() : 0;
         W_ = W_ * scale_.asDiagonal();
         S_ = B_ * W_;
         S_ = (0.5 * (S_ + S_.transpose())).eval();
@@ -55,14 +55,19 @@ public:
             const double largest = (w_ - g_).maxCoeff();  // violation, in energy units
             if (!(largest <= 0) || (point.lambda.array() > 0).any()) {
                 allowance_ = gap_tolerance * (g_.cwiseAbs() + w_.cwiseAbs());
-                gap_size = (w_.array() == -infinity).select(0, w_.cwiseAbs().cwiseMax(g_.cwiseAbs())).maxCoeff() *
-                           largest_unit_;
+                gap_size = (w_.array() == -infinity)
+                               .select(0, w_.cwiseAbs().cwiseMax(g_.cwiseAbs()).cwiseQuotient(scale_))
+                               .maxCoeff();
                 g_ = w_ - g_;
                 multiplier_ = point.lambda.cwiseQuotient(scale_);
                 const auto dual = dual_.solve(S_, g_, allowance_, multiplier_, w_);
                 report.iterations = dual.iterations;
                 report.outcome = dual.outcome;
                 if (dual.outcome == Outcome::infeasible) {
+                    if (!balances(dual_.infeasibility())) {
+                        report.outcome = Outcome::inaccurate;
+                        return report;
+                    }
                     report.infeasibility = dual_.infeasibility().cwiseProduct(scale_);
                     report.infeasibility /= report.infeasibility.maxCoeff();
                 }
@@ -75,6 +80,10 @@ public:
                 for (const auto& [row, column, weight] : bounds_)
                     if (multiplier_[row] > 0) u_[column] = c[row] / weight;
                 lambda_ = multiplier_.cwiseProduct(scale_);
+                if (dual_.forgave() && !rows_are_met(c)) {
+                    report.outcome = Outcome::inaccurate;
+                    return report;
+                }
             } else {
                 lambda_.setZero();
             }
@@ -86,6 +95,18 @@ public:
 
 private:
     static constexpr double acceptable = 1e-9;
+    /// B'y = 0 in unknowns of unit stiffness, beyond what S y = 0 says where A is nearly singular.
+    bool balances(const Vector& y) const {
+        const Vector force = B_.transpose() * y, size = B_.cwiseAbs().transpose() * y;
+        return force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <=
+               1e-9 * size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
+    }
+    /// Each row by its own size: the certificate's largest one may be a bound that means none.
+    bool rows_are_met(const ConstVectorRef& c) const {
+        const Vector bound = c.cwiseProduct(scale_), gap = B_ * u_ - bound;
+        const Vector own = bound.cwiseAbs() + B_.cwiseAbs() * u_.cwiseAbs();
+        return ((gap.array() >= 0) || (gap.array() >= -acceptable * own.array())).all();
+    }
     struct Bound {
         Index row, column;
         double weight;
@@ -94,8 +115,7 @@ private:
     KktCertificate certificate_;
     std::unique_ptr<const Factor> factor_;
     Vector inverse_;  // of A's diagonal, where it is diagonal
-    Vector scale_;
-    double largest_unit_ = 0;  // of a gap of energy one
+    Vector scale_, stiffness_;
     DenseMatrix B_, W_, S_;
     GoldfarbIdnani dual_;
     Vector u_, g_, w_, allowance_, multiplier_, lambda_;

@@ -121,6 +121,10 @@ GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVe
                     report.outcome = Outcome::infeasible;
                     return report;
                 }
+                if (-w[q] > forgivable * allowance[q]) {
+                    report.outcome = Outcome::inaccurate;
+                    return report;
+                }
                 // Dependent, and violated by rounding only: the others hold it. Back to a valid pair without it.
                 forgiven_.push_back(q);
                 lambda.setZero();

@@ -14,7 +14,7 @@ namespace tact {
 class GoldfarbIdnani {
 public:
     struct [[nodiscard]] Report {
-        Outcome outcome = Outcome::converged;
+        Outcome outcome = Outcome::converged;  // inaccurate: a dependent row is violated by more than rounding
         int iterations = 0;
     };
 
@@ -28,11 +28,14 @@ public:
     const SchurFactor& factor() const { return factor_; }
     /// After Outcome::infeasible: y >= 0 with S y = 0 and g'y > 0.
     const Vector& infeasibility() const { return certificate_; }
+    /// Whether the last solve left a dependent row violated by what may be rounding.
+    bool forgave() const { return !forgiven_.empty(); }
     /// S has changed under the factor: forget it.
     void reset() { factor_.clear(); }
 
 private:
     void start_from(const DenseMatrix& S, const ConstVectorRef& g, const ConstVectorRef& lambda);
+    static constexpr double forgivable = 1e4;  // allowances that a dependent row may stay violated by
     bool excludes(const ConstVectorRef& g, Index q);
     void gaps(const DenseMatrix& S, const ConstVectorRef& g, VectorRef w) const;
     SchurFactor factor_;

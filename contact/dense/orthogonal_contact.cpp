@@ -67,9 +67,16 @@ public:
           factor_(A.rows()),
           length_(B.rows()),
           weight_(B.rows()) {
+        // Unknowns in units of their stiffness: what follows does not depend on how they are scaled.
+        stiffness_ = A.main_diagonal().cwiseSqrt();
         for (Index i = 0; i < length_.size(); ++i) {
-            length_[i] = Bt_.col(i).norm();
-            weight_[i] = absolute_.col(i).sum();
+            length_[i] = weight_[i] = 0;
+            for (SparseMatrix::InnerIterator it(absolute_, i); it; ++it) {
+                const double entry = it.value() / stiffness_[it.row()];
+                length_[i] += entry * entry;
+                weight_[i] += entry;
+            }
+            length_[i] = std::sqrt(length_[i]);
         }
         multiplier_.resize(A.rows() + 1);
         for (Vector* v : {&h_, &z_}) v->resize(A.rows());
@@ -82,6 +89,9 @@ public:
         lambda_ = Vector::Zero(m);
         free_ = b;
         root_.lower(free_);
+        u_ = free_;
+        root_.upper(u_);
+        free_size_ = scaled_size(u_);
         start_from(point.lambda, c);
         forgiven_ = Vector::Zero(m);
         state_.assign(static_cast<std::size_t>(m), State::open);
@@ -104,7 +114,10 @@ public:
         double gap_size = 0;
         for (Index i = 0; i < m; ++i)
             if (c[i] != -infinity) gap_size = std::max({gap_size, std::abs(c[i]), length_[i] * u_.norm()});
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, gap_size, point);
+        if (rows_are_met(c))
+            certify(report, certificate_, b, c, u_, lambda_, acceptable, gap_size, point);
+        else
+            report.outcome = Outcome::inaccurate;
         return report;
     }
 
@@ -113,6 +126,20 @@ private:
     static constexpr double dependence = 1e-9;      // of a row's length, after two projections
     static constexpr double gap_tolerance = 1e-13;  // of the row's own |c_i| + |B_i||u|
     enum class State : char { open, active };
+
+    double scaled_size(const Vector& u) const { return u.cwiseProduct(stiffness_).lpNorm<Eigen::Infinity>(); }
+
+    /// Each row by its own |c_i| + |B_i||u|, beyond the rounding of u: the certificate's largest one may be a bound that
+    /// means none.
+    bool rows_are_met(const ConstVectorRef& c) {
+        size_ = u_.cwiseAbs();
+        const double noise = 4e-15 * std::max(scaled_size(u_), free_size_);
+        for (Index i = 0; i < c.size(); ++i) {
+            const double own = std::abs(c[i]) + absolute_.col(i).dot(size_);
+            if (c[i] - Bt_.col(i).dot(u_) > acceptable * own + noise * weight_[i]) return false;
+        }
+        return true;
+    }
 
     /// Solves on the rows in the factor: t = R^-T (c_C - D'y_free), y = y_free + Q t, lambda_C = R^-1 t.
     void balance(const ConstVectorRef& c) {
@@ -196,7 +223,7 @@ private:
         root_.upper(u_);
         size_ = u_.cwiseAbs();
         // u carries rounding of its largest entry everywhere, also where it is small.
-        const double noise = 4e-15 * size_.lpNorm<Eigen::Infinity>();
+        const double noise = 4e-15 * scaled_size(u_);
         Index worst = -1;
         double depth = 0;
         for (Index i = 0; i < c.size(); ++i) {
@@ -276,7 +303,10 @@ private:
         balance(c);
         u_ = y_;
         root_.upper(u_);
-        forgiven_[q] = 10 * std::abs(Bt_.col(q).dot(u_) - c[q]);
+        const double violation = c[q] - Bt_.col(q).dot(u_);
+        if (violation > acceptable * (std::abs(c[q]) + absolute_.col(q).dot(u_.cwiseAbs())))
+            return Outcome::inaccurate;
+        forgiven_[q] = 10 * std::abs(violation);
         return Outcome::converged;
     }
 
@@ -287,8 +317,9 @@ private:
     OrthogonalFactor factor_;
     std::vector<Index> rows_;
     std::vector<State> state_;
+    double free_size_ = 0;
     Vector forgiven_;  // by how much a row that depends on the active ones is left violated, to rounding
-    Vector length_, weight_, multiplier_, free_, y_, u_, lambda_, row_, h_, z_, change_, residual_, size_;
+    Vector stiffness_, length_, weight_, multiplier_, free_, y_, u_, lambda_, row_, h_, z_, change_, residual_, size_;
 };
 
 }  // namespace

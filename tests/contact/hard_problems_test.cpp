@@ -1,6 +1,7 @@
 // Problems that break active sets elsewhere: dependent rows, pseudo-infinite bounds, semidefinite A, no solution at all.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
 
 #include "tact/contact/automatic.hpp"
@@ -141,6 +142,78 @@ TEST(HardProblems, UnsymmetricProgramsAgreeWithTheEnumeration) {
             ASSERT_LE((s.u - exact->u).norm(), 1e-10 * (1 + exact->u.norm()));
             ASSERT_LE(s.report.kkt.largest(), 1e-12);
         }
+}
+
+TEST(HardProblems, AnIndefiniteMatrixIsNotSolvedAsIfItWereDefinite) {
+    // Found by fuzzing: a maximum, or "infeasible", for -12 I.
+    for (const Index m : {0, 1}) {
+        const QuadraticProgram qp{-12 * DenseMatrix::Identity(3, 3), -12 * DenseMatrix::Ones(m, 3),
+                                  Vector::Constant(3, -12.0), Vector::Constant(m, -12.0)};
+        try {
+            EXPECT_NE(solve(AutomaticContact(), qp).report.outcome, Outcome::converged);
+        } catch (const std::exception& error) {
+            EXPECT_TRUE(dynamic_cast<const InputError*>(&error) || dynamic_cast<const NumericalError*>(&error));
+        }
+    }
+}
+
+TEST(HardProblems, ALargeEntryHidesNoMissingSymmetry) {
+    QuadraticProgram qp{DenseMatrix::Identity(3, 3), DenseMatrix::Zero(0, 3), Vector::Ones(3), Vector(0)};
+    qp.A(0, 0) = 1e24;
+    qp.A(1, 2) = 0.5;
+    const Solved s = solve(AutomaticContact(), qp);
+    ASSERT_EQ(s.report.outcome, Outcome::converged);
+    EXPECT_NEAR(s.u[1], 0.5, 1e-15);
+    EXPECT_NEAR(s.u[2], 1, 1e-15);
+}
+
+TEST(HardProblems, UnsymmetricWithEqualitiesAsTwoRowsAgreesWithItsDenseKktSystem) {
+    std::mt19937 random(5);
+    for (int k = 0; k < 40; ++k) {
+        const Index n = 8, m = 3;
+        QuadraticProgram qp = random_program(random, n, m, Rows::general);
+        const DenseMatrix skew = random_matrix(random, n, n), E = qp.B;
+        qp.A += skew - skew.transpose();
+        const Vector e = qp.c;
+        qp.B.resize(2 * m, n);
+        qp.B << E, -E;
+        qp.c.resize(2 * m);
+        qp.c << e, -e;
+        DenseMatrix kkt = DenseMatrix::Zero(n + m, n + m);
+        kkt << qp.A, E.transpose(), E, DenseMatrix::Zero(m, m);
+        Vector rhs(n + m);
+        rhs << qp.b, e;
+        const Solved s = solve(AutomaticContact(), qp);
+        ASSERT_EQ(s.report.outcome, Outcome::converged) << k << " " << s.report.fallback;
+        ASSERT_LE((s.u - kkt.fullPivLu().solve(rhs).head(n)).norm(), 1e-9 * (1 + s.u.norm()));
+    }
+}
+
+TEST(HardProblems, UnsymmetricAndInfeasibleComesWithACertificate) {
+    std::mt19937 random(6);
+    for (int k = 0; k < 40; ++k) {
+        QuadraticProgram qp = random_program(random, 6, 3, Rows::general);
+        const DenseMatrix skew = random_matrix(random, 6, 6);
+        qp.A += skew - skew.transpose();
+        qp.B.row(2) = -(qp.B.row(0) + qp.B.row(1));
+        qp.c[2] = -(qp.c[0] + qp.c[1]) + 0.1;
+        const Solved s = solve(AutomaticContact(), qp);
+        ASSERT_EQ(s.report.outcome, Outcome::infeasible) << k;
+        const Vector& y = s.report.infeasibility;
+        ASSERT_EQ(y.size(), 3);
+        EXPECT_GE(y.minCoeff(), 0);
+        EXPECT_LE((qp.B.transpose() * y).norm(), 1e-9);
+        EXPECT_GT(qp.c.dot(y), 0);
+    }
+}
+
+TEST(HardProblems, AProblemWithoutUnknownsOrWithNaNIsRefused) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW((void)AutomaticContact().prepare(Matrix(DenseMatrix(0, 0)), Matrix(DenseMatrix(2, 0))), InputError);
+    EXPECT_THROW((void)AutomaticContact().prepare(Matrix(DenseMatrix::Constant(1, 1, nan)), Matrix::identity(1)),
+                 InputError);
+    EXPECT_THROW((void)AutomaticContact().prepare(Matrix::identity(1), Matrix(DenseMatrix::Constant(1, 1, nan))),
+                 InputError);
 }
 
 TEST(HardProblems, ASingularMatrixWithoutContactIsAnErrorThatNamesIt) {

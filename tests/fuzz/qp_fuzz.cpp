@@ -147,12 +147,7 @@ void check(const Drawn& d) {
     const Matrix A = matrix(d.qp.A), B = matrix(d.qp.B);
     const bool finite =
         d.qp.A.allFinite() && d.qp.B.allFinite() && d.qp.b.allFinite() && (d.qp.c.array() < infinity).all();
-    Wide free_size = 0;
-    if (finite && d.qp.A.rows() > 0) {
-        const Eigen::Matrix<Wide, Eigen::Dynamic, 1> free =
-            d.qp.A.cast<Wide>().fullPivLu().solve(d.qp.b.cast<Wide>());
-        if (free.allFinite()) free_size = free.cwiseAbs().maxCoeff();
-    }
+    const Vector free_size = finite && d.qp.A.rows() > 0 ? size_of_free_solution(d.qp) : Vector(d.qp.A.rows());
     std::optional<Vector> first;
     for (const Strategy& strategy : strategies()) {
         Solved s;
@@ -167,7 +162,7 @@ void check(const Drawn& d) {
         if (!finite && converged) fail(strategy.name, "converged on data that are not finite", d, &s);
         if (!finite) continue;
         // What works on gaps of the free solution has its rounding; the chooser goes on to what has not.
-        const Wide noise = (std::string(strategy.name) == "AutomaticContact" ? 4e-16L : 1e-12L) * free_size;
+        const Vector noise = (std::string(strategy.name) == "AutomaticContact" ? 1e-13 : 1e-12) * free_size;
         const std::string why = fault(d.qp, s.report, s.u, s.lambda, noise);
         if (!why.empty()) fail(strategy.name, why, d, &s);
         if (!converged && (s.lambda != d.guess || s.u != Vector::Zero(s.u.size())))

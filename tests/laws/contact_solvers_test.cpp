@@ -4,50 +4,13 @@
 #include <functional>
 #include <memory>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/colour_sor.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/contact/dense/orthogonal_contact.hpp"
-#include "tact/contact/klu_active_set.hpp"
-#include "tact/contact/multigrid_active_set.hpp"
-#include "tact/contact/principal_pivoting.hpp"
-#include "tact/contact/projected_cg.hpp"
-#include "tact/contact/schur_contact.hpp"
-#include "tact/tests/laws/quadratic_programs.hpp"
+#include "tact/tests/laws/strategies.hpp"
 
 namespace tact::laws {
 namespace {
 
-struct Strategy {
-    const char* name;
-    std::shared_ptr<const ContactSolver> solver;
-    std::vector<Rows> takes;
-    bool always_ends;  // a plain active set may come back to a set, and then says so
-};
-
-std::vector<Strategy> strategies() {
-    const std::vector<Rows> all{Rows::bounds, Rows::pairs, Rows::general};
-    return {{"KluActiveSet", std::make_shared<KluActiveSet>(), all, false},
-            {"SchurContact", std::make_shared<SchurContact>(), all, true},
-            {"DenseContact", std::make_shared<DenseContact>(), all, true},
-            {"OrthogonalContact", std::make_shared<OrthogonalContact>(), all, true},
-            {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
-            {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
-            {"MultigridActiveSet", std::make_shared<MultigridActiveSet>(), {Rows::bounds}, false},
-            {"PrincipalPivoting", std::make_shared<PrincipalPivoting>(), all, true},
-            {"AutomaticContact", std::make_shared<AutomaticContact>(), all, true}};
-}
-
-struct Solved {
-    ContactReport report;
-    Vector u, lambda;
-};
-
 Solved solve(const ContactSolver& solver, const QuadraticProgram& qp, const Vector& guess) {
-    Solved s{{}, Vector::Zero(qp.A.rows()), guess};
-    const auto prepared = solver.prepare(Matrix(Matrix(qp.A).to_sparse()), Matrix(Matrix(qp.B).to_sparse()));
-    s.report = prepared->solve(qp.b, qp.c, {s.u, s.lambda});
-    return s;
+    return laws::solve(solver, Matrix(Matrix(qp.A).to_sparse()), Matrix(Matrix(qp.B).to_sparse()), qp.b, qp.c, guess);
 }
 
 class EveryStrategy : public testing::TestWithParam<Strategy> {

@@ -26,14 +26,12 @@ struct Sum {
 
 /// Why (u, lambda) is not a solution; empty if it is one. Besides the residuals as lib/kkt.hpp defines them, measures
 /// that do not change when unknowns or rows are scaled, so that no large entry hides a wrong small one:
-/// each row by its own size, forces over sqrt(A_ii), complementarity as work. `noise`: what entries of u are allowed to be off
-/// whatever their size, such as rounding of A^-1 b.
-inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, const Vector& lambda, Wide noise,
-                                  Wide tolerance = 2e-9L) {
+/// each row by its own size, forces over sqrt(A_ii), complementarity as work. `noise`: what each entry of u is allowed to be
+/// off whatever its size, such as rounding of A^-1 b.
+inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, const Vector& lambda,
+                                  const Vector& noise, Wide tolerance = 2e-9L) {
     const Index n = qp.A.rows(), m = qp.B.rows();
     if (!u.allFinite() || !lambda.allFinite()) return "u or lambda is not finite";
-    Wide size_of_u = 0;
-    for (Index j = 0; j < n; ++j) size_of_u = std::max<Wide>(size_of_u, std::abs(u[j]));
     Wide residual = 0, force = 0, scaled_residual = 0, scaled_force = 0, work = 0;
     for (Index i = 0; i < n; ++i) {
         Sum sum;
@@ -59,15 +57,15 @@ inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, c
             continue;
         }
         Sum gap;
-        Wide reach = std::abs(Wide(qp.c[i])), weight = 0;
+        Wide reach = std::abs(Wide(qp.c[i])), allowed = 0;
         for (Index j = 0; j < n; ++j) {
             gap.add(Wide(qp.B(i, j)) * u[j]);
-            weight += std::abs(Wide(qp.B(i, j)));
+            reach += std::abs(Wide(qp.B(i, j)) * u[j]);
+            allowed += std::abs(Wide(qp.B(i, j))) * noise[j];
         }
-        reach += weight * size_of_u;
         gap.add(-Wide(qp.c[i]));
-        if (gap.value < -5 * tolerance * reach - weight * noise) return "penetration of row " + std::to_string(i);
-        if (gap.value > 0) complementary_work += lambda[i] * std::max<Wide>(gap.value - weight * noise, 0);
+        if (gap.value < -5 * tolerance * reach - allowed) return "penetration of row " + std::to_string(i);
+        if (gap.value > 0) complementary_work += lambda[i] * std::max<Wide>(gap.value - allowed, 0);
         work += lambda[i] * gap.size;
     }
     if (ratio(complementary_work, work) > 100 * tolerance) return "complementarity";
@@ -75,7 +73,7 @@ inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, c
 }
 
 /// Why y does not show that no u satisfies the rows.
-inline std::string fault_of_certificate(const QuadraticProgram& qp, const Vector& y, Wide tolerance = 1e-9L) {
+inline std::string fault_of_certificate(const QuadraticProgram& qp, const Vector& y, Wide tolerance = 1e-8L) {
     const Index n = qp.A.rows(), m = qp.B.rows();
     if (y.size() != m || !y.allFinite()) return "certificate of infeasibility is missing or not finite";
     Sum value;
@@ -84,12 +82,15 @@ inline std::string fault_of_certificate(const QuadraticProgram& qp, const Vector
         if (y[i] > 0) value.add(Wide(y[i]) * qp.c[i]);
     }
     if (!(value.value > 0)) return "certificate of infeasibility: c'y <= 0";
+    Wide rest = 0, size = 0;  // in unknowns of unit stiffness
     for (Index j = 0; j < n; ++j) {
         Sum column;
         for (Index i = 0; i < m; ++i) column.add(Wide(y[i]) * qp.B(i, j));
-        if (std::abs(column.value) > tolerance * column.size) return "certificate of infeasibility: B'y is not zero";
+        const Wide unit = qp.A(j, j) > 0 ? std::sqrt(Wide(qp.A(j, j))) : 1;
+        rest = std::max(rest, std::abs(column.value) / unit);
+        size = std::max(size, column.size / unit);
     }
-    return {};
+    return rest > tolerance * size ? "certificate of infeasibility: B'y is not zero" : "";
 }
 
 /// Why d does not show that the objective falls for ever.
@@ -118,9 +119,17 @@ inline std::string fault_of_ray(const QuadraticProgram& qp, const Vector& d, Wid
     return {};
 }
 
+/// |A^-1 b|, found in unknowns of unit stiffness; a trifle where A is singular.
+inline Vector size_of_free_solution(const QuadraticProgram& qp) {
+    const Vector unit = qp.A.diagonal().unaryExpr([](double a) { return a > 0 ? 1 / std::sqrt(a) : 1.0; });
+    const DenseMatrix scaled = unit.asDiagonal() * qp.A * unit.asDiagonal();
+    const Vector free = unit.cwiseProduct(scaled.fullPivLu().solve(unit.cwiseProduct(qp.b)));
+    return free.allFinite() ? Vector(free.cwiseAbs().array() + 1e-20) : Vector(Vector::Constant(free.size(), 1e-20));
+}
+
 /// Why the report is not true; empty if it is, or claims nothing (cycling, iteration_limit, inaccurate).
 inline std::string fault(const QuadraticProgram& qp, const ContactReport& report, const Vector& u,
-                         const Vector& lambda, Wide noise = 0) {
+                         const Vector& lambda, const Vector& noise) {
     switch (report.outcome) {
         case Outcome::converged: return fault_of_point(qp, u, lambda, noise);
         case Outcome::infeasible:

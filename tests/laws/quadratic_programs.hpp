@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
 #include <optional>
 #include <random>
 
@@ -65,7 +67,8 @@ inline std::optional<Solution> by_enumeration(const QuadraticProgram& qp, double
         for (Index i = 0; i < m; ++i)
             if (set >> i & 1U) active.push_back(i);
         const Index k = static_cast<Index>(active.size());
-        if (k > n) continue;
+        const auto off = [&](Index i) { return qp.c[i] == -std::numeric_limits<double>::infinity(); };
+        if (k > n || std::any_of(active.begin(), active.end(), off)) continue;
         DenseMatrix kkt = DenseMatrix::Zero(n + k, n + k);
         Vector rhs(n + k);
         kkt.topLeftCorner(n, n) = qp.A;

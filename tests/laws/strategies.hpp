@@ -8,6 +8,7 @@
 #include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/interior_point.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/multigrid_active_set.hpp"
 #include "tact/contact/principal_pivoting.hpp"
@@ -31,6 +32,7 @@ inline std::vector<Strategy> strategies() {
             {"SchurContact", std::make_shared<SchurContact>(), all, true},
             {"DenseContact", std::make_shared<DenseContact>(), all, true},
             {"OrthogonalContact", std::make_shared<OrthogonalContact>(), all, true},
+            {"InteriorPoint", std::make_shared<InteriorPoint>(std::make_shared<OrthogonalContact>()), all, true},
             {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
             {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
             {"MultigridActiveSet", std::make_shared<MultigridActiveSet>(), {Rows::bounds}, false},
