@@ -67,12 +67,14 @@ public:
     explicit Rows(const Matrix& A) : size_(A.rows()) {
         if (A.dense())
             dense_ = A;
+        else if (const SparseMatrix* S = A.sparse(); S && !A.is_symmetric(0))
+            sparse_ = RowRuns(S->transpose());
         else
-            sparse_ = RowRuns(A.to_sparse().transpose());
+            sparse_ = columns_of(A);
     }
     static Rows transposed(const Matrix& A) {
         if (const DenseMatrix* dense = A.dense()) return Rows(Matrix(DenseMatrix(dense->transpose())));
-        return Rows(Matrix(SparseMatrix(A.to_sparse().transpose())));
+        return Rows(A.cols(), columns_of(A));
     }
     Index size() const { return size_; }
 
@@ -107,6 +109,10 @@ public:
     }
 
 private:
+    Rows(Index size, RowRuns sparse) : size_(size), sparse_(std::move(sparse)) {}
+    /// The rows of A', and of A where both are the same. A is not dense.
+    static RowRuns columns_of(const Matrix& A) { return A.sparse() ? RowRuns(*A.sparse()) : RowRuns(A.to_sparse()); }
+
     Index size_;
     RowRuns sparse_;
     Matrix dense_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
@@ -185,9 +186,10 @@ SparseMatrix Matrix::to_sparse() const {
                                },
                                [](const Diagonal& d) {
                                    SparseMatrix S(d.entries.size(), d.entries.size());
-                                   S.reserve(Eigen::Matrix<long, Eigen::Dynamic, 1>::Ones(d.entries.size()));
-                                   for (Index i = 0; i < d.entries.size(); ++i) S.insert(i, i) = d.entries[i];
-                                   S.makeCompressed();
+                                   S.resizeNonZeros(d.entries.size());
+                                   std::copy(d.entries.begin(), d.entries.end(), S.valuePtr());
+                                   std::iota(S.innerIndexPtr(), S.innerIndexPtr() + d.entries.size(), 0);
+                                   std::iota(S.outerIndexPtr(), S.outerIndexPtr() + S.outerSize() + 1, 0);
                                    return S;
                                }},
                       storage_->entries);
