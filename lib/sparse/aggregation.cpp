@@ -137,7 +137,10 @@ std::vector<double> diagonal_of(const CompressedRows& A) {
     std::vector<double> diagonal(at(A.rows), 0.0);
     for (int i = 0; i < A.rows; ++i)
         for (int k = A.begin(i); k < A.end(i); ++k)
-            if (A.column_at(k) == i) diagonal[at(i)] += A.value_at(k);
+            if (A.column_at(k) == i) {
+                diagonal[at(i)] = A.value_at(k);
+                break;
+            }
     return diagonal;
 }
 

@@ -32,7 +32,9 @@ SmoothedAggregation::SmoothedAggregation(CompressedRows finest) : A_(std::move(f
         level_.emplace_back();
         Level& level = level_.back();
         level.size = A.rows;
-        for (const double a : diagonal) level.scale.push_back(1 / std::sqrt(a));
+        level.scale.resize(diagonal.size());
+        std::transform(diagonal.begin(), diagonal.end(), level.scale.begin(),
+                       [](double a) { return 1 / std::sqrt(a); });
         order_by_colour(level, A);
         store_couplings(level, A);
         if (A.rows <= coarsest_size) break;
@@ -63,10 +65,11 @@ void SmoothedAggregation::order_by_colour(Level& level, const CompressedRows& A)
     level.unknown.assign(at(level.padded), -1);
     std::vector<int> next;
     for (const int slice : level.first_slice) next.push_back(slice * lanes);
+    level.place.resize(at(A.rows));
     for (int i = 0; i < A.rows; ++i) {
         const int place = next[at(colour[at(i)])]++;
         level.unknown[at(place)] = i;
-        level.place.push_back(place + padding);
+        level.place[at(i)] = place + padding;
     }
     for (Floats* v : {&level.diagonal, &level.inverse, &level.r, &level.x, &level.t})
         v->setZero(level.padded + 2 * padding);
