@@ -8,6 +8,7 @@
 #include "tact/contact/colour_sor.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/diagonal_contact.hpp"
 #include "tact/contact/interior_point.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/matrix_facts.hpp"
@@ -39,6 +40,7 @@ bool allowed(const AutomaticOptions& options, Strategy strategy) {
 
 Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) {
     switch (strategy) {
+        case Strategy::diagonal: return DiagonalContact().prepare(A, B);
         case Strategy::dense: return DenseContact().prepare(A, B);
         case Strategy::klu_active_set: return KluActiveSet().prepare(A, B);
         case Strategy::colour_sor: return ColourSor().prepare(A, B);
@@ -81,6 +83,9 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
     const auto may = [&](Strategy strategy) { return allowed(options, strategy); };
     if (options.always) return {*options.always, "asked for by the options"};
     if (!A.is_symmetric() && may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "A is not symmetric"};
+    if (const Vector* diagonal = A.diagonal_entries();
+        diagonal && (diagonal->array() > 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
+        return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
     if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
         return {Strategy::dense, "small or dense"};
     if (B.rows() > 0) {

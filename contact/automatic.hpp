@@ -9,6 +9,7 @@
 namespace tact {
 
 enum class ContactStrategy {
+    diagonal,
     dense,
     klu_active_set,
     colour_sor,
@@ -33,6 +34,7 @@ struct AutomaticOptions {
 };
 
 /// The chooser. In this order, for symmetric A:
+///   diagonal, rows that do not overlap                -> DiagonalContact
 ///   dense or diagonal, or few unknowns                -> DenseContact
 ///   well conditioned and bounds                       -> ColourSor
 ///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more

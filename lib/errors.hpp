@@ -21,15 +21,15 @@ struct NumericalError : std::runtime_error {
 /// How an iteration ended. Everything but `converged` leaves the caller's state untouched.
 enum class Outcome {
     converged,
-    iteration_limit,  ///< the iteration budget was used up
-    cycling,          ///< an active set came back and no fall-back was allowed
-    infeasible,       ///< the constraints exclude each other
-    unbounded,        ///< A is singular along a direction no constraint blocks
-    inaccurate,       ///< ended, but the KKT residual is above the tolerance
-    step_limit,       ///< an adaptive integrator used up its internal steps
-    step_too_small,   ///< its error or stage tests kept failing down to the smallest step
+    iteration_limit,      ///< the iteration budget was used up
+    cycling,              ///< an active set came back and no fall-back was allowed
+    infeasible,           ///< the constraints exclude each other
+    unbounded,            ///< A is singular along a direction no constraint blocks
+    inaccurate,           ///< ended, but the KKT residual is above the tolerance
+    step_limit,           ///< an adaptive integrator used up its internal steps
+    step_too_small,       ///< its error or stage tests kept failing down to the smallest step
     tolerance_too_small,  ///< it was asked for more accuracy than rounding leaves
-    stopped           ///< an observer or the user asked to stop
+    stopped               ///< an observer or the user asked to stop
 };
 
 std::string_view to_string(Outcome outcome);

@@ -101,11 +101,13 @@ private:
         return force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <=
                1e-9 * size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
     }
-    /// Each row by its own size: the certificate's largest one may be a bound that means none.
+    /// Each row by its own size, and by the rounding of the sum that u is: the certificate's largest one may be a bound that
+    /// means none, and where nothing but u = 0 is admissible u is rounding itself.
     bool rows_are_met(const ConstVectorRef& c) const {
         const Vector bound = c.cwiseProduct(scale_), gap = B_ * u_ - bound;
         const Vector own = bound.cwiseAbs() + B_.cwiseAbs() * u_.cwiseAbs();
-        return ((gap.array() >= 0) || (gap.array() >= -acceptable * own.array())).all();
+        const Vector summed = B_.cwiseAbs() * (W_.cwiseAbs() * multiplier_.cwiseAbs());
+        return ((gap.array() >= 0) || (gap.array() >= -(acceptable * own + gap_tolerance * summed).array())).all();
     }
     struct Bound {
         Index row, column;

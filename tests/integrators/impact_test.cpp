@@ -64,7 +64,9 @@ TEST(Impact, TrapezoidNeverGainsEnergyInTenThousandRandomStiffSystems) {
         double before = start;
         for (int n = 0; n < 20; ++n) {
             const StepReport report = run->advance();
-            ASSERT_EQ(report.outcome, Outcome::converged) << k << " " << n;
+            ASSERT_EQ(report.outcome, Outcome::converged)
+                << k << " " << n << " " << report.contact.kkt.largest() << " impact "
+                << (report.impact ? report.impact->kkt.largest() : 0);
             impacts += report.impact.has_value();
             const double now = energy(p, run->state());
             most = std::max(most, (now - before) / start);
