@@ -167,25 +167,52 @@ public:
         report.reason = choice_.reason;
         const bool settled_at_once = settled(report);
         for (std::size_t next = 0; !settled(report) && next < rest_.size() && b.allFinite(); ++next) {
-            Fallback& link = rest_[next];
-            if (!link.prepared) link.prepared = link.prepare();
-            ContactReport end = link.prepared->solve(b, c, point);
-            // An answer that is only not sharp enough stands if the sturdier strategy has none.
-            if (report.outcome == Outcome::converged && end.outcome != Outcome::converged) break;
-            end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
-            end.strategy = report.strategy;
-            end.reason = report.reason;
-            end.iterations += report.iterations;
-            end.set_repeated |= report.set_repeated;
-            report = std::move(end);
+            Vector u = point.u, lambda = point.lambda;
+            ContactReport end;
+            if (!try_link(rest_[next], b, c, {u, lambda}, end)) continue;
+            const bool last_word = certified(end);
+            if (standing(end) >= standing(report)) {
+                end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
+                end.strategy = report.strategy;
+                end.reason = report.reason;
+                end.iterations += report.iterations;
+                end.set_repeated |= report.set_repeated;
+                report = std::move(end);
+                if (report.outcome == Outcome::converged) {
+                    point.u = u;
+                    point.lambda = lambda;
+                }
+            }
+            if (last_word) break;
         }
         if (record_) change_ = record_->change(choice_.strategy, settled_at_once, report, point.lambda);
         return report;
     }
 
 private:
+    static constexpr double sharp = 1e-12;
+    /// false where A is too near singular for this one.
+    static bool try_link(Fallback& link, const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point,
+                         ContactReport& report) {
+        try {
+            if (!link.prepared) link.prepared = link.prepare();
+            report = link.prepared->solve(b, c, point);
+        } catch (const NumericalError&) {
+            return false;
+        }
+        return true;
+    }
     static bool settled(const ContactReport& report) {
-        return report.outcome == Outcome::converged && report.kkt.largest() <= 1e-12;
+        return report.outcome == Outcome::converged && report.kkt.largest() <= sharp;
+    }
+    static bool certified(const ContactReport& report) {
+        return report.infeasibility.size() > 0 || report.ray.size() > 0;
+    }
+    /// An answer that is only not sharp stands against none; a proof that there is none against giving up.
+    static double standing(const ContactReport& report) {
+        if (report.outcome == Outcome::converged) return 3 - std::min(report.kkt.largest(), 0.5);
+        if (certified(report)) return 2;
+        return report.outcome == Outcome::infeasible ? 1 : 0;
     }
 
     /// The first fall-back is the factor: it becomes the strategy in use.
@@ -236,6 +263,9 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
             });
         if (iteration && !options_.always && !rest.empty()) record.emplace(B.rows(), options_.solves_before_factor);
         if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
+        if (choice.strategy != Strategy::interior_point && allowed(options_, Strategy::interior_point) &&
+            (A.main_diagonal().array() > 0).all())
+            rest.push_back([A, B] { return InteriorPoint().prepare(A, B); });
     }
     return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
 }

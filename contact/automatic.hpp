@@ -49,7 +49,7 @@ struct AutomaticOptions {
 /// any iteration does so when it was far slower than usual, or failed, three times in a row. ContactReport::reason says why
 /// the strategy was taken.
 /// A strategy that ends without a solution is followed by SchurContact and, up to 4000 unknowns, by OrthogonalContact, which
-/// also has the last word on infeasibility; the report names both.
+/// also has the last word on infeasibility, then by InteriorPoint; the report names the first and the last.
 class AutomaticContact final : public ContactSolver {
 public:
     using Options = AutomaticOptions;
