@@ -21,6 +21,9 @@ VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWor
       difference_(problem.size()),
       safe_v_(problem.size()),
       safe_impulse_(problem.constraints()),
+      bound_(problem.constraints()),
+      jump_(problem.size()),
+      free_(problem.size()),
       scratch_(std::max(problem.c.modes.cols(), problem.f.modes.cols())) {
     if (!(restitution >= 0 && restitution <= 1))
         throw InputError("VelocityProjection: restitution is " + std::to_string(restitution) +
@@ -48,9 +51,16 @@ void VelocityProjection::solve_mass(double damping, VectorRef x) {
         throw NumericalError("VelocityProjection: the solve with M ended " + std::string(to_string(report.outcome)));
 }
 
-ContactReport VelocityProjection::solve(const ConstVectorRef& momentum, VectorRef v, VectorRef impulse) {
+ContactReport VelocityProjection::solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse) {
     if (!mass_) mass_ = workspace_.prepared(problem_, {1, 0, 0});
-    return mass_->solve(momentum, closed_, {v, impulse});
+    // For the jump v - w: its size is the impact's, so that residuals mean something where the rows leave v = 0 only.
+    problem_.B.multiply(w, bound_);
+    bound_ = closed_ - bound_;
+    work_.setZero();
+    jump_ = v - w;
+    const ContactReport report = mass_->solve(work_, bound_, {jump_, impulse});
+    if (report.outcome == Outcome::converged) v = w + jump_;
+    return report;
 }
 
 ContactReport VelocityProjection::project(const State& before, const ConstVectorRef& momentum, double h,
@@ -75,10 +85,12 @@ ContactReport VelocityProjection::project(const State& before, const ConstVector
     }
     closed_ = (next.lambda.array() > 0).select(closed_, off_);
     impulse_ = (next.lambda.array() > 0).select(impulse_, 0.0);
+    free_ = momentum;
+    solve_mass(0, free_);
     next.v() = before.v();
-    ContactReport report = solve(momentum, next.v(), impulse_);
+    ContactReport report = solve(free_, next.v(), impulse_);
     if (report.outcome != Outcome::converged) return report;
-    if (safeguard_) keep_energy(before, momentum, next);
+    if (safeguard_) keep_energy(before, next);
     next.lambda = impulse_ / h;
     return report;
 }
@@ -99,13 +111,13 @@ double VelocityProjection::excess_energy(const State& before, const State& next)
     return excess + 0.5 * difference_.dot(safe_v_);
 }
 
-void VelocityProjection::keep_energy(const State& before, const ConstVectorRef& momentum, State& next) {
+void VelocityProjection::keep_energy(const State& before, State& next) {
     const double excess = excess_energy(before, next);
     if (!(excess > 0)) return;
     closed_ = (next.lambda.array() > 0).select(rate_, off_);
     safe_v_ = next.v();
     safe_impulse_ = impulse_;
-    if (solve(momentum, safe_v_, safe_impulse_).outcome != Outcome::converged) return;
+    if (solve(free_, safe_v_, safe_impulse_).outcome != Outcome::converged) return;
     // |d|^2 theta^2 / 2 + v'M d theta + excess = 0, the smaller root; where there is none, the energy's least.
     difference_ = safe_v_ - next.v();
     problem_.M->multiply(difference_, work_);

@@ -24,8 +24,8 @@ public:
     ContactReport project(const State& before, const ConstVectorRef& momentum, double h, State& next);
 
 private:
-    ContactReport solve(const ConstVectorRef& momentum, VectorRef v, VectorRef impulse);
-    void keep_energy(const State& before, const ConstVectorRef& momentum, State& next);
+    ContactReport solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse);
+    void keep_energy(const State& before, State& next);
     double excess_energy(const State& before, const State& next);
 
     const ContactProblem& problem_;
@@ -35,7 +35,8 @@ private:
     Vector inverse_mass_;  // of a diagonal M
     std::shared_ptr<PreparedContact> mass_, damped_mass_;
     double damping_ = 0;
-    Vector closed_, rate_, off_, impulse_, none_, work_, difference_, safe_v_, safe_impulse_, scratch_;
+    Vector closed_, rate_, off_, impulse_, none_, work_, difference_, safe_v_, safe_impulse_;
+    Vector bound_, jump_, free_, scratch_;
 };
 
 }  // namespace tact
