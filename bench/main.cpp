@@ -11,6 +11,7 @@
 #include "tact/bench/scenes.hpp"
 #include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
+#include "tact/bench/stability.hpp"
 #include "tact/lib/errors.hpp"
 #include "tact/lib/io/write_file.hpp"
 
@@ -138,12 +139,34 @@ void add_solvers(CLI::App& app) {
     });
 }
 
+void add_stability(CLI::App& app) {
+    struct Arguments {
+        std::string size = "full", out = "results";
+        std::vector<std::string> groups, integrators;
+    };
+    const auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("stability", "Every integrator on hard cases: ended right, or honestly");
+    command->add_option("--size", arguments->size, "full: a million steps, plates 100 x 100; small: seconds")
+        ->check(CLI::IsMember({"full", "small"}))
+        ->capture_default_str();
+    command->add_option("--groups", arguments->groups, "step,stiffness,ratio,gap,speed,... (all)")->delimiter(',');
+    command->add_option("--integrators", arguments->integrators, "As case takes them, with blanks between (all)");
+    command->add_option("--out", arguments->out, "Folder of the results")->capture_default_str();
+    command->callback([arguments] {
+        const Json json = run_stability({arguments->size == "small", arguments->groups, arguments->integrators});
+        std::cout << stability_table(json) << std::flush;
+        write_study(arguments->out, "stability", json, stability_markdown(json));
+        std::cout << "written: stability.json, stability.md and stability.svg in " << arguments->out << "\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
     int code = 0;
     add_speedup(app);
     add_solvers(app);
+    add_stability(app);
     add_case(app, code);
     add_qp(app, code);
     try {
