@@ -12,6 +12,8 @@
 #include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
 #include "tact/bench/stability.hpp"
+#include "tact/bench/work_precision.hpp"
+#include "tact/bench/work_precision_scenes.hpp"
 #include "tact/lib/errors.hpp"
 #include "tact/lib/io/write_file.hpp"
 
@@ -160,6 +162,30 @@ void add_stability(CLI::App& app) {
     });
 }
 
+void add_work_precision(CLI::App& app) {
+    struct Arguments : StudyArguments {
+        std::vector<std::string> scenes;
+        bool no_answers = false;
+    };
+    CLI::App* command =
+        app.add_subcommand("work-precision", "Error against run time of every integrator, with its closing table");
+    const auto arguments = std::make_shared<Arguments>();
+    add_study_options(*command, *arguments);
+    std::string names;
+    for (const std::string& name : precision_scene_names()) names += (names.empty() ? "" : ",") + name;
+    command->add_option("--scenes", arguments->scenes, names + " (all)")->delimiter(',');
+    command->add_flag("--no-answers", arguments->no_answers, "The curves only");
+    command->callback([arguments] {
+        const Json json = run_work_precision({.small = arguments->size == "small",
+                                              .repeats = arguments->repeats,
+                                              .scenes = arguments->scenes,
+                                              .answers = !arguments->no_answers});
+        std::cout << work_precision_table(json) << std::flush;
+        write_study(arguments->out, "work-precision", json, work_precision_markdown(json));
+        std::cout << "written: work-precision.json, .md and .svg in " << arguments->out << "\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
@@ -167,6 +193,7 @@ int run(int argc, char** argv) {
     add_speedup(app);
     add_solvers(app);
     add_stability(app);
+    add_work_precision(app);
     add_case(app, code);
     add_qp(app, code);
     try {

@@ -88,7 +88,9 @@ void write_study(const std::filesystem::path& out, const std::string& name, cons
     write_file(data, json.dump(2) + "\n");
     write_file(out / (name + ".md"), markdown);
 
-    const std::string script = std::string(TACT_BENCH_FOLDER) + "/plots/" + name + ".py";
+    std::string script = name;
+    std::ranges::replace(script, '-', '_');  // a name that Python can import
+    script = std::string(TACT_BENCH_FOLDER) + "/plots/" + script + ".py";
     const std::filesystem::path part = figure.string() + ".part";
     const int code = execute({TACT_PYTHON, "-B", script, data.string(), part.string()});
     std::error_code error;

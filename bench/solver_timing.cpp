@@ -4,42 +4,11 @@
 
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/isolated.hpp"
+#include "tact/bench/timed_contact.hpp"
 #include "tact/bench/timing.hpp"
 
 namespace tact::bench {
 namespace {
-
-/// Adds up what the solves of a march take, and nothing else of it.
-class TimedContact final : public ContactSolver {
-public:
-    struct Totals {
-        double seconds = 0, iterations = 0, worst_kkt = 0;
-    };
-    TimedContact(std::shared_ptr<const ContactSolver> inner, Totals& totals)
-        : inner_(std::move(inner)), totals_(totals) {}
-    std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override {
-        return std::make_unique<Prepared>(inner_->prepare(A, B), totals_);
-    }
-
-private:
-    struct Prepared final : PreparedContact {
-        Prepared(std::unique_ptr<PreparedContact> inner_, Totals& totals_)
-            : inner(std::move(inner_)), totals(totals_) {}
-        ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
-            const double start = cpu_seconds();
-            ContactReport report = inner->solve(b, c, point);
-            totals.seconds += cpu_seconds() - start;
-            totals.iterations += report.iterations;
-            totals.worst_kkt = std::max(totals.worst_kkt, report.kkt.largest());
-            return report;
-        }
-        bool reads_guess() const override { return inner->reads_guess(); }
-        std::unique_ptr<PreparedContact> inner;
-        Totals& totals;
-    };
-    std::shared_ptr<const ContactSolver> inner_;
-    Totals& totals_;
-};
 
 /// The samples in turn, as often as asked or as there is time for.
 void time_samples(Json& row, const SolverProblem& problem, const ContactSolver& solver,

@@ -29,7 +29,7 @@ OWNERS = {
     "SuiteSparse": (r"(suitesparse/|(klu|cholmod|amd|camd|colamd|ccolamd|btf|umfpack|spqr|ldl|cs|RBio|SuiteSparse)\w*\.h"
                     r"|Eigen/(KLU|Cholmod|UmfPack|SPQR)Support)", r"lib/sparse/[^/]+\.cpp$"),
     "BLAS": (r"(cblas|lapacke|openblas\w*)\.h", r"lib/sparse/[^/]+\.cpp$"),
-    "GSL": (r"gsl/", r"rom/training/[^/]+\.cpp$"),
+    "GSL": (r"gsl/", r"(rom/training|bench)/[^/]+\.cpp$"),
     "HDF5": (r"(hdf5\w*|H5\w*)\.h", r"(lib/io/[^/]+\.cpp$|bench/)"),
     "nlohmann-json": (r"nlohmann/", r"(lib/io/[^/]+\.cpp$|bench/)"),
     "CLI11": (r"CLI/", r"bench/"),

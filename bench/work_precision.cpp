@@ -1,0 +1,116 @@
+#include "tact/bench/work_precision.hpp"
+
+#include <algorithm>
+
+#include "tact/bench/progress.hpp"
+#include "tact/bench/report.hpp"
+#include "tact/bench/timing.hpp"
+#include "tact/bench/work_precision_answers.hpp"
+#include "tact/bench/work_precision_gsl.hpp"
+#include "tact/bench/work_precision_run.hpp"
+#include "tact/lib/errors.hpp"
+
+namespace tact::bench {
+namespace {
+
+PrecisionTiming timing_of(const WorkPrecisionOptions& options) {
+    return {options.repeats, options.small ? 0.01 : 0.5, options.small ? 0.12 : 12.0};
+}
+
+/// GSL's msbdf with the dense Jacobian, and its two methods that need none and suit a problem that is not stiff.
+void add_gsl(Json& json, const PrecisionScene& scene, const PrecisionTiming& timing, Progress& progress) {
+    const auto reference = scene.reference(precision_methods().front());
+    std::vector<double> times;
+    for (long k = 1; k <= scene.outputs; ++k) times.push_back(scene.output(k));
+    for (const std::string method : {"msbdf", "msadams", "rk8pd"}) {
+        const OrdinaryProblem problem = ordinary(scene.problem, method == "msbdf");
+        for (const double tolerance : scene.tolerances) {
+            Json row = empty_precision_row(scene, "GSL " + method, "rtol=" + digits(tolerance));
+            OrdinaryRun run;
+            std::vector<double> seconds;
+            double spent = 0;
+            while (static_cast<int>(seconds.size()) < timing.repeats && (seconds.empty() || spent < timing.enough)) {
+                seconds.push_back(seconds_of([&] {
+                    run = solve_ordinary(method, problem, times, tolerance, 1e-3 * tolerance, timing.limit);
+                }));
+                spent += seconds.back();
+            }
+            if (run.failure.empty()) {
+                row["steps"] = run.steps;
+                row["seconds"] = median(seconds);
+                row["error_u"] = error_u(scene, run.y.topRows(scene.problem.size()), *reference);
+            } else {
+                row["outcome"] = run.failure;
+            }
+            json["rows"].push_back(std::move(row));
+            progress.add(1);
+        }
+    }
+}
+
+/// What each method is compared with, and the methods of each.
+Json references_of(const PrecisionScene& scene) {
+    Json references = Json::array();
+    std::vector<std::shared_ptr<const Reference>> seen;
+    for (const PrecisionMethod& method : precision_methods()) {
+        const auto reference = scene.reference(method);
+        const auto found = std::ranges::find(seen, reference);
+        const auto place = static_cast<std::size_t>(found - seen.begin());
+        if (found == seen.end()) {
+            seen.push_back(reference);
+            references.push_back({{"how", reference->how},
+                                  {"own_error_u", reference->own_error_u},
+                                  {"own_error_lambda", reference->own_error_lambda},
+                                  {"distance_from_first", error_u(scene, reference->u, *seen.front())},
+                                  {"methods", Json::array()}});
+        }
+        references[place]["methods"].push_back(method.label());
+    }
+    return references;
+}
+
+void measure(Json& json, const PrecisionScene& scene, const WorkPrecisionOptions& options) {
+    const PrecisionTiming timing = timing_of(options);
+    const auto& methods = precision_methods();
+    double count = scene.gsl ? 3 * static_cast<double>(scene.tolerances.size()) : 0;
+    for (const PrecisionMethod& method : methods)
+        count += static_cast<double>(method.adaptive ? scene.tolerances.size() : scene.steps.size());
+    Progress progress(scene.name, count);
+    for (const PrecisionMethod& method : methods) {
+        const std::vector<double> steps(scene.steps.begin(), scene.steps.end());
+        for (const double parameter : method.adaptive ? scene.tolerances : steps) {
+            progress.label(scene.name + ": " + method.label());
+            json["rows"].push_back(precision_row(scene, method, parameter, timing));
+            progress.add(1);
+        }
+    }
+    if (scene.gsl) add_gsl(json, scene, timing, progress);
+    json["scenes"].push_back({{"scene", scene.name},
+                              {"what", scene.what},
+                              {"unknowns", scene.problem.size()},
+                              {"constraints", scene.problem.constraints()},
+                              {"t_end", scene.t_end},
+                              {"output_times", scene.outputs},
+                              {"references", references_of(scene)}});
+}
+
+}  // namespace
+
+Json run_work_precision(const WorkPrecisionOptions& options) {
+    if (options.repeats < 1)
+        throw InputError("work-precision: repeats is " + std::to_string(options.repeats) + ", expected at least 1");
+    const std::vector<std::string> scenes = options.scenes.empty() ? precision_scene_names() : options.scenes;
+    std::vector<PrecisionScene> studied;
+    for (const std::string& name : scenes) studied.push_back(precision_scene(name, options.small));
+    Json json;
+    json["study"] = "work-precision";
+    json["size"] = options.small ? "small" : "full";
+    json["repeats"] = options.repeats;
+    json["machine"] = machine();
+    for (const char* list : {"scenes", "rows", "answers"}) json[list] = Json::array();
+    for (const PrecisionScene& scene : studied) measure(json, scene, options);
+    if (options.answers) json["answers"] = precision_answers(json["rows"], options.small);
+    return json;
+}
+
+}  // namespace tact::bench

@@ -1,0 +1,55 @@
+// One integrator with one step length or tolerance on one scene: its time, and what it made of the motion.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tact/bench/machine.hpp"
+#include "tact/bench/work_precision_scenes.hpp"
+#include "tact/lib/impact_ledger.hpp"
+#include "tact/lib/integrator.hpp"
+
+namespace tact::bench {
+
+/// An integrator of bench/methods.hpp with a dt or a tolerance to be chosen.
+struct PrecisionMethod {
+    std::string name;  ///< as bench::integrator takes it
+    bool adaptive = false;
+    /// Whether lambda is the mean over the step (an impulse over its length), or the force at its end.
+    bool mean_force = false;
+
+    std::string label() const { return adaptive && name.rfind("ida", 0) != 0 ? name + ", adaptive" : name; }
+    std::unique_ptr<Integrator> make(double tolerance) const;
+};
+/// All, the fixed ones first.
+const std::vector<PrecisionMethod>& precision_methods();
+
+/// The states of one march at the output times, and its ledgers where they were wanted.
+struct Recorded {
+    Outcome outcome = Outcome::converged;
+    std::string detail;  ///< of a failure
+    long steps = 0;
+    DenseMatrix u;
+    Vector impulse;
+    double energy_drift = 0;  ///< (energy at the end - work of load and damping - energy at first) / largest energy
+    ImpactSummary impacts;
+};
+enum class Ledgers { none, kept };
+/// `parameter`: a number of steps, or a tolerance.
+Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers);
+
+/// As error_u and error_lambda of the rows: see run_work_precision.
+double error_u(const PrecisionScene& scene, const DenseMatrix& u, const Reference& reference);
+double error_lambda(const Vector& impulse, const Reference& reference);
+
+struct PrecisionTiming {
+    int repeats = 5;
+    double enough = 2;  ///< CPU s after which no repeat is begun
+    double limit = 20;  ///< CPU s after which a march is given up
+};
+Json precision_row(const PrecisionScene& scene, const PrecisionMethod& method, double parameter,
+                   const PrecisionTiming& timing);
+/// A row with everything null but the first three.
+Json empty_precision_row(const PrecisionScene& scene, const std::string& integrator, const std::string& parameter);
+
+}  // namespace tact::bench
