@@ -132,32 +132,43 @@ void run_static(const CaseOptions& options, const StudyScene& scene, const Conta
 void run_march(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem, Json& json) {
     const TimeGrid grid = TimeGrid::until(options.t_end.value_or(scene.t_end), options.dt.value_or(scene.dt));
     const auto method = integrator(options.integrator);
-    const std::vector<double> times = options.at.empty() ? std::vector{grid.t(grid.steps)} : options.at;
-    const std::vector<long> steps = steps_at(times, grid);
+    std::vector<double> times = options.at.empty() ? std::vector{grid.t(grid.steps)} : options.at;
+    if (!method->adaptive()) {
+        const std::vector<long> steps = steps_at(times, grid);
+        std::ranges::transform(steps, times.begin(), [&](long step) { return grid.t(step); });
+    }
+    std::ranges::sort(times);
+    times.erase(std::ranges::unique(times).begin(), times.end());
     json["integrator"] = method->name();
     json["dt"] = grid.dt;
     json["t_end"] = grid.t(grid.steps);
     json["steps"] = grid.steps;
 
-    std::vector<Json> states(steps.size());
-    Progress progress(scene.name, static_cast<double>(grid.steps));
+    json["states"] = Json::array();
+    Progress progress(scene.name, grid.t(grid.steps) - grid.t0);
     double impulse = 0, before = grid.t0;
     long intervals = 0;
     bool touching = false;
-    const auto watch = [&](const State& state, const StepReport& report) {
+    const auto watch = [&](const State& state, const StepReport&) {
         impulse += (state.t - before) * state.lambda.sum();
         before = state.t;
         const bool touched = std::exchange(touching, (state.lambda.array() > 0).any());
         intervals += touching && !touched;
-        for (std::size_t k = 0; k < steps.size(); ++k)
-            if (steps[k] == state.step) states[k] = state_json(options, scene, problem, state, report.contact.active);
-        progress.at(static_cast<double>(state.step));
+        progress.at(state.t - grid.t0);
         return Flow::proceed;
     };
     ContactWorkspace workspace(options.contact);
     const std::vector<Observer> observers{watch};
     MarchReport march;
-    const double seconds = seconds_of([&] { march = integrate(*method, problem, grid, workspace, observers); });
+    const double seconds = seconds_of([&] {
+        march = integrate_with_output(
+            *method, problem, grid, workspace, times,
+            [&](const State& state) {
+                const Index active = (state.lambda.array() > 0).count();
+                json["states"].push_back(state_json(options, scene, problem, state, active));
+            },
+            observers);
+    });
     json["outcome"] = to_string(march.outcome);
     json["seconds"] = seconds;
     json["strategy"] = march.last.contact.strategy;
@@ -169,9 +180,6 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
     json["contact_iterations"] = march.contact_iterations;
     json["kkt"] = kkt_json(march.worst_kkt);
     if (march.outcome != Outcome::converged) json["failed_step"] = march.last.step;
-    json["states"] = Json::array();
-    for (Json& state : states)
-        if (!state.is_null()) json["states"].push_back(std::move(state));
 }
 
 void check(const CaseOptions& options, const StudyScene& scene) {

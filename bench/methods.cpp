@@ -54,8 +54,11 @@ private:
 };
 
 std::unique_ptr<Integrator> runge_kutta(ButcherTable table, Given& given) {
-    if (!given.has("rtol") && !given.has("atol")) return std::make_unique<Arkode>(std::move(table));
+    std::optional<double> restitution;
+    if (given.has("e")) restitution = given.take("e", 0);
+    if (!given.has("rtol") && !given.has("atol")) return std::make_unique<Arkode>(std::move(table), restitution);
     Arkode::Options options;
+    options.restitution = restitution;
     options.rtol = given.take("rtol", options.rtol);
     options.atol = given.take("atol", 1e-3 * options.rtol);
     return std::make_unique<Arkode>(std::move(table), options);
@@ -83,6 +86,7 @@ const std::map<std::string, Make, std::less<>>& makers() {
              Ida::Options options;
              options.rtol = given.take("rtol", options.rtol);
              options.atol = given.take("atol", 1e-3 * options.rtol);
+             if (given.has("e")) options.restitution = given.take("e", 0);
              options.max_order = static_cast<int>(given.take("order", options.max_order));
              return std::make_unique<Ida>(options);
          }},

@@ -13,6 +13,8 @@ public:
     Derivative(const ContactProblem& problem, ContactWorkspace& workspace);
     /// out = y' at (t, y), t from the right. NumericalError if the contact solve does not converge.
     void operator()(double t, const ConstVectorRef& y, VectorRef out);
+    /// mu of the last evaluation, m numbers.
+    const Vector& multipliers() const { return mu_; }
 
 private:
     const ContactProblem& problem_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tact/integrators/impact.hpp"
 #include "tact/integrators/naming.hpp"
 #include "tact/integrators/sundials/arkode_run.hpp"
 
@@ -16,11 +17,16 @@ void check_positive(const char* name, double value) {
 
 }  // namespace
 
-Arkode::Arkode(ButcherTable table) : table_(std::move(table)), adaptive_(false) { validate(table_); }
+Arkode::Arkode(ButcherTable table, std::optional<double> restitution) : table_(std::move(table)), adaptive_(false) {
+    validate(table_);
+    options_.restitution = restitution;
+    check_restitution("Arkode", restitution);
+}
 
 Arkode::Arkode(ButcherTable table, const Options& options)
     : table_(std::move(table)), options_(options), adaptive_(true) {
     validate(table_);
+    check_restitution("Arkode", options.restitution);
     check_positive("rtol", options.rtol);
     check_positive("atol", options.atol);
     if (table_.b_embedded.size() == 0)
@@ -33,6 +39,7 @@ Arkode::Arkode(ButcherTable table, const Options& options)
 std::string Arkode::name() const {
     std::string name = "ARKODE " + table_.name;
     if (adaptive_) name += " rtol=" + short_number(options_.rtol);
+    if (options_.restitution) name += " e=" + short_number(*options_.restitution);
     return options_.newton ? name + " Newton" : name;
 }
 
@@ -40,6 +47,8 @@ std::unique_ptr<Run> Arkode::start(const ContactProblem& problem, const TimeGrid
                                    ContactWorkspace& workspace) const {
     if (problem.is_static())
         throw InputError("Arkode: the problem has neither M nor D, expected one; use QuasiStatic");
+    if (options_.restitution && !problem.second_order())
+        throw InputError("Arkode: restitution on a problem without M, expected none");
     if (problem.constraints() > 0) {
         if (!table_.stiffly_accurate())
             throw InputError("Arkode: table " + table_.name +

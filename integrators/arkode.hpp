@@ -1,6 +1,8 @@
 // ARKODE's diagonally implicit Runge-Kutta methods, contact in every stage.
 #pragma once
 
+#include <optional>
+
 #include "tact/integrators/butcher_table.hpp"
 #include "tact/lib/integrator.hpp"
 
@@ -24,9 +26,12 @@ public:
         long most_steps = 10'000'000;  ///< accepted or not; then Outcome::step_limit
         /// As Ida's: SUNDIALS' Newton iteration with a condensed linear solve; for scenes without contact.
         bool newton = false;
+        /// An impact law: in steps that end in contact the velocity that the stages' contact forces gave is replaced by a
+        /// projection with this restitution (VelocityProjection). Nothing: what the stages gave.
+        std::optional<double> restitution = {};
     };
-    /// Fixed steps. InputError for a table that validate rejects.
-    explicit Arkode(ButcherTable table);
+    /// Fixed steps. InputError for a table that validate rejects, or a restitution outside [0, 1].
+    explicit Arkode(ButcherTable table, std::optional<double> restitution = {});
     /// Adaptive steps. InputError also if the table has no embedding, or an option is out of its range.
     Arkode(ButcherTable table, const Options& options);
 

@@ -100,8 +100,7 @@ private:
 }  // namespace
 
 Bdf2WithoutJump::Bdf2WithoutJump(double restitution) : restitution_(restitution) {
-    if (!(restitution >= 0 && restitution <= 1))
-        throw InputError("Bdf2WithoutJump: restitution is " + std::to_string(restitution) + ", expected from 0 to 1");
+    check_restitution("Bdf2WithoutJump", restitution);
 }
 
 std::string Bdf2WithoutJump::name() const { return "BDF2 without jump e=" + short_number(restitution_); }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tact/integrators/impact.hpp"
 #include "tact/integrators/naming.hpp"
 #include "tact/integrators/sundials/ida_run.hpp"
 
@@ -19,6 +20,7 @@ void check_positive(const char* name, double value) {
 Ida::Ida(const Options& options) : options_(options) {
     check_positive("rtol", options.rtol);
     check_positive("atol", options.atol);
+    check_restitution("Ida", options.restitution);
     if (options.max_order < 1 || options.max_order > 5)
         throw InputError("Ida: max_order is " + std::to_string(options.max_order) + ", expected from 1 to 5");
     if (!(options.first_step >= 0) || !(options.max_step >= 0))
@@ -37,12 +39,15 @@ std::string Ida::name() const {
     if (fixed_) return "IDA fixed step";
     std::string name = "IDA rtol=" + short_number(options_.rtol);
     if (options_.max_order != 2) name += " order<=" + std::to_string(options_.max_order);
+    if (options_.restitution) name += " e=" + short_number(*options_.restitution);
     return options_.newton ? name + " Newton" : name;
 }
 
 std::unique_ptr<Run> Ida::start(const ContactProblem& problem, const TimeGrid& grid,
                                 ContactWorkspace& workspace) const {
     if (problem.is_static()) throw InputError("Ida: the problem has neither M nor D, expected one; use QuasiStatic");
+    if (options_.restitution && !problem.second_order())
+        throw InputError("Ida: restitution on a problem without M, expected none");
     if (options_.newton && problem.constraints() > 0)
         throw InputError("Ida: newton with " + std::to_string(problem.constraints()) +
                          " contact constraints, expected none; leave it off");

@@ -1,6 +1,8 @@
 // IDA's BDF with variable step and order, contact in every step.
 #pragma once
 
+#include <optional>
+
 #include "tact/lib/integrator.hpp"
 
 namespace tact {
@@ -24,6 +26,9 @@ public:
         /// SUNDIALS' Newton iteration with a condensed n x n linear solve in place of the stage hook: for scenes without
         /// contact (InputError else). Cross-checks the hook; for an r it is one Newton iteration where the hook has two.
         bool newton = false;
+        /// An impact law: where rows close, the velocity is projected as by VelocityProjection with this restitution, and
+        /// the history begins anew. Nothing: the scheme's own restitution, which depends on the step it falls in.
+        std::optional<double> restitution = {};
     };
     Ida() : Ida(Options{}) {}
     /// InputError if an option is out of its range.

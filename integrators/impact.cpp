@@ -6,6 +6,11 @@
 
 namespace tact {
 
+void check_restitution(const char* who, std::optional<double> e) {
+    if (e && !(*e >= 0 && *e <= 1))
+        throw InputError(std::string(who) + ": restitution is " + std::to_string(*e) + ", expected from 0 to 1");
+}
+
 VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
                                        bool energy_theorem)
     : problem_(problem),
@@ -25,9 +30,7 @@ VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWor
       jump_(problem.size()),
       free_(problem.size()),
       scratch_(std::max(problem.c.modes.cols(), problem.f.modes.cols())) {
-    if (!(restitution >= 0 && restitution <= 1))
-        throw InputError("VelocityProjection: restitution is " + std::to_string(restitution) +
-                         ", expected from 0 to 1");
+    check_restitution("VelocityProjection", restitution);
     if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
     if (const Vector* m = problem.M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
 }

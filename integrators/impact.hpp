@@ -1,9 +1,14 @@
 // The velocity level of schemes that keep the impact law apart from the position constraint.
 #pragma once
 
+#include <optional>
+
 #include "tact/lib/stage.hpp"
 
 namespace tact {
+
+/// InputError of `who` unless e is absent or from 0 to 1.
+void check_restitution(const char* who, std::optional<double> e);
 
 /// v := argmin |v - w|_M  subject to  B_C v >= c' - e (B_C v_before - c')  on the rows C that the position constraint
 /// closed; its multiplier is the impulse P >= 0, so that M (v - w) = B_C' P. Newton's law with restitution e.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tact/integrators/hermite.hpp"
+#include "tact/integrators/impact.hpp"
 #include "tact/integrators/naming.hpp"
 
 namespace tact {
@@ -96,9 +97,7 @@ private:
 MoreauJean::MoreauJean(const Options& options) : options_(options) {
     if (!(options.theta >= 0.5 && options.theta <= 1))
         throw InputError("MoreauJean: theta is " + std::to_string(options.theta) + ", expected from 0.5 to 1");
-    if (!(options.restitution >= 0 && options.restitution <= 1))
-        throw InputError("MoreauJean: restitution is " + std::to_string(options.restitution) +
-                         ", expected from 0 to 1");
+    check_restitution("MoreauJean", options.restitution);
 }
 
 std::string MoreauJean::name() const {

@@ -235,9 +235,7 @@ public:
 Trapezoid::Trapezoid(const Options& options) : options_(options) {
     if (!(options.rho >= 0 && options.rho <= 1))
         throw InputError("Trapezoid: rho is " + std::to_string(options.rho) + ", expected from 0 to 1");
-    if (!(options.restitution >= 0 && options.restitution <= 1))
-        throw InputError("Trapezoid: restitution is " + std::to_string(options.restitution) +
-                         ", expected from 0 to 1");
+    check_restitution("Trapezoid", options.restitution);
 }
 
 std::string Trapezoid::name() const {

@@ -120,7 +120,8 @@ MarchReport integrate(const Integrator& method, const ContactProblem& problem, c
 
 MarchReport integrate_with_output(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
                                   ContactWorkspace& workspace, std::span<const double> times,
-                                  const std::function<void(const State&)>& output, const MarchOptions& options) {
+                                  const std::function<void(const State&)>& output,
+                                  std::span<const Observer> observers, const MarchOptions& options) {
     for (std::size_t k = 0; k < times.size(); ++k) {
         if (!(times[k] >= grid.t0 && times[k] <= grid.t(grid.steps)))
             throw InputError("integrate_with_output: times[" + std::to_string(k) + "] is " +
@@ -131,7 +132,7 @@ MarchReport integrate_with_output(const Integrator& method, const ContactProblem
     }
     std::size_t next = 0;
     State between;
-    return march_through(method, problem, grid, workspace, options, [&](const Run& run, const StepReport&) {
+    return march_through(method, problem, grid, workspace, options, [&](const Run& run, const StepReport& report) {
         for (; next < times.size() && times[next] <= run.state().t; ++next) {
             if (times[next] == run.state().t) {
                 output(run.state());
@@ -141,7 +142,7 @@ MarchReport integrate_with_output(const Integrator& method, const ContactProblem
             run.dense(times[next], between);
             output(between);
         }
-        return Flow::proceed;
+        return tell(observers, run.state(), report) ? Flow::proceed : Flow::stop;
     });
 }
 

@@ -105,7 +105,8 @@ MarchReport integrate(const Integrator& method, const ContactProblem& problem, c
 /// As integrate, and tells `output` the states at `times` (sorted, within the grid) by dense output.
 MarchReport integrate_with_output(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
                                   ContactWorkspace& workspace, std::span<const double> times,
-                                  const std::function<void(const State&)>& output, const MarchOptions& options = {});
+                                  const std::function<void(const State&)>& output,
+                                  std::span<const Observer> observers = {}, const MarchOptions& options = {});
 
 /// Marches until g(state) changes its sign (from the sign it has at the start, zero being neither) and locates that time
 /// by dense output to `tolerance` of the step: the final state is there, the outcome `stopped`. `converged`: no event.

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "tact/integrators/acceleration.hpp"
+#include "tact/integrators/hermite.hpp"
+#include "tact/integrators/impact.hpp"
 #include "tact/integrators/sundials/check.hpp"
 #include "tact/integrators/sundials/linear_hook.hpp"
 #include "tact/integrators/sundials/stage_hook.hpp"
@@ -53,6 +55,9 @@ public:
           scratch_view_(context_, scratch_),
           hook_(context_, stages_, next_, *this),
           linear_(context_, *this),
+          table_(table),
+          first_implicit_(table.A(0, 0) == 0 ? 1 : 0),
+          stage_index_(first_implicit_),
           memory_(ARKStepCreate(nullptr, &ArkodeRun::right_side, grid.t0, y_view_.get(), context_.get())) {
         if (!memory_) throw NumericalError("SUNDIALS: ARKStepCreate failed");
         begin(table);
@@ -66,6 +71,10 @@ public:
     void dense(double t, State& out) const override {
         if (!(t >= before_t_ && t <= now_.t))
             throw InputError("Arkode: dense output at t = " + std::to_string(t) + ", expected in the last step");
+        if (anew_) {  // ARKODE has forgotten the step before
+            interpolate(before_, now_, t, out);
+            return;
+        }
         check(ARKStepGetDky(memory_, t, 0, scratch_view_.get()), "ARKStepGetDky");
         out = now_;
         out.t = t;
@@ -85,22 +94,37 @@ public:
         if (flag < 0) return failed(flag, std::move(report));
         before_t_ = now_.t;
         report.t = adaptive_ ? reached : grid_.t(report.step);
-        now_.y = y_;
         if (options_.newton) {
             linear_.forget();
+            now_.y = y_;
         } else {
             report.contact = hook_.report();
-            if (problem_.constraints() > 0)
-                now_.y = next_.y;  // the last stage: y_ to rounding, and what was certified
+            anew_ = velocity_ && (impulse_.array() > 0).any();
+            if (anew_) {
+                before_ = now_;
+                report.impact = impact(report.t - now_.t);
+                report.outcome = report.impact->outcome;
+                if (report.outcome != Outcome::converged) return report;
+            }
+            // Under contact: the last stage, y_ to rounding, and what was certified.
+            now_.y = problem_.constraints() > 0 ? next_.y : y_;
             now_.lambda = next_.lambda;
         }
         now_.t = report.t;
         now_.step = report.step;
+        if (anew_) begin_anew();
         return report;
     }
 
 private:
+    /// The step that a stage's gamma = h A_ii belongs to.
+    double step_of(double gamma) const { return gamma / table_.A(stage_index_, stage_index_); }
+
     void begin(const ButcherTable& table) {
+        if (options_.restitution && problem_.constraints() > 0) {
+            velocity_.emplace(problem_, workspace_, *options_.restitution, false);
+            impulse_ = first_lambda_ = Vector::Zero(problem_.constraints());
+        }
         void* arkode = memory_;
         check(ARKStepSetErrHandlerFn(arkode, keep_quiet, nullptr), "ARKStepSetErrHandlerFn");
         check(ARKStepSetUserData(arkode, this), "ARKStepSetUserData");
@@ -145,6 +169,23 @@ private:
         return 0;
     }
 
+    void begin_anew() {
+        y_ = now_.y;
+        slope_known_ = false;
+        check(ARKStepReset(memory_, now_.t, y_view_.get()), "ARKStepReset");
+        if (adaptive_) check(ARKStepSetStopTime(memory_, grid_.t(grid_.steps)), "ARKStepSetStopTime");
+    }
+
+    /// next_'s velocity without the impulse of the stages' contact forces, projected.
+    ContactReport impact(double h) {
+        force_.resize(now_.n);
+        next_.lambda = impulse_ / h;  // what closed in any stage
+        problem_.M->multiply(next_.v(), force_);
+        problem_.B.multiply_transposed(impulse_, force_, -1, 1);
+        next_.t = now_.t + h;
+        return velocity_->project(now_, force_, h, next_);
+    }
+
     /// z = predicted + known + gamma f(z), so that f = (z - predicted - known) / gamma
     Stage stage() override {
         const StageData data = stage_data(memory_);
@@ -152,11 +193,19 @@ private:
         history_ = -a * (map(data.predicted) + map(data.known));
         predicted_ = data.predicted;
         stage_a_ = a;
+        if (velocity_) {
+            long attempts = 0;
+            ARKStepGetNumStepAttempts(memory_, &attempts);
+            stage_index_ = attempts == attempt_ ? stage_index_ + 1 : first_implicit_;
+            if (attempts != attempt_) impulse_ = first_implicit_ * table_.b[0] * step_of(data.gamma) * first_lambda_;
+            attempt_ = attempts;
+        }
         next_.y = map(data.predicted);
         return {data.t, a, history_.head(now_.n), history_.tail(history_.size() - now_.n)};
     }
     void correct(N_Vector correction) override {
         map(correction) = next_.y - map(predicted_);
+        if (velocity_) impulse_ += table_.b[stage_index_] * step_of(1 / stage_a_) * next_.lambda;
         slope_ = stage_a_ * next_.y + history_;
         slope_known_ = true;
     }
@@ -171,10 +220,13 @@ private:
             const bool known =
                 run.slope_known_ && t == run.next_.t &&
                 (at - run.next_.y).lpNorm<Eigen::Infinity>() <= 1e-12 * run.next_.y.lpNorm<Eigen::Infinity>();
-            if (known)
+            if (known) {
                 slope = run.slope_;
-            else
+                run.first_lambda_ = run.now_.lambda;
+            } else {
                 run.derivative_(t, at, slope);
+                run.first_lambda_ = run.derivative_.multipliers();
+            }
             return 0;
         } catch (...) {
             run.caught_ = std::current_exception();
@@ -275,9 +327,17 @@ private:
     VectorView y_view_, scratch_view_;
     StageHook hook_;
     LinearHook linear_;
-    void* memory_;
     N_Vector predicted_ = nullptr;
     double stage_a_ = 0;
+    std::optional<VelocityProjection> velocity_;  // with an impact law
+    ButcherTable table_;
+    Index first_implicit_, stage_index_;
+    long attempt_ = -1;
+    Vector impulse_;       // h sum b_i lambda_i of the step so far
+    Vector first_lambda_;  // of an explicit first stage
+    State before_;
+    bool anew_ = false;  // the last step ended with a projected velocity, and ARKODE was told
+    void* memory_;
     bool slope_known_ = false;
     std::exception_ptr caught_;
     RunCounters counters_;

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "tact/integrators/acceleration.hpp"
+#include "tact/integrators/hermite.hpp"
+#include "tact/integrators/impact.hpp"
 #include "tact/integrators/sundials/check.hpp"
 #include "tact/integrators/sundials/linear_hook.hpp"
 #include "tact/integrators/sundials/stage_hook.hpp"
@@ -83,6 +85,10 @@ public:
     void dense(double t, State& out) const override {
         if (!(t >= before_t_ && t <= now_.t))
             throw InputError("Ida: dense output at t = " + std::to_string(t) + ", expected in the last step");
+        if (anew_) {  // IDA has forgotten the step before
+            interpolate(next_, now_, t, out);
+            return;
+        }
         check(IDAGetDky(ida_.get(), t, 0, scratch_view_->get()), "IDAGetDky");
         out = now_;
         out.t = t;
@@ -109,11 +115,20 @@ public:
             linear_.forget();
         } else {
             report.contact = hook_.report();
+            next_.t = report.t;
+            anew_ = velocity_ && report.contact.active > 0 && rows_close();
+            if (anew_) {
+                report.impact = impact(report.t - now_.t);
+                report.outcome = report.impact->outcome;
+                if (report.outcome != Outcome::converged) return report;
+            }
             std::swap(now_.y, next_.y);  // y_ to rounding, and the very state that was certified
             now_.lambda.swap(next_.lambda);
+            next_.t = before_t_;
         }
         now_.t = report.t;
         now_.step = report.step;
+        if (anew_) begin_anew();
         return report;
     }
 
@@ -121,6 +136,8 @@ private:
     Index size() const { return now_.y.size(); }
 
     void begin() {
+        if (options_.restitution && problem_.constraints() > 0)
+            velocity_.emplace(problem_, workspace_, *options_.restitution, false);
         y_.head(size()) = now_.y;
         Derivative(problem_, workspace_)(grid_.t0, now_.y, yp_.head(size()));
         if (fixed_) {
@@ -158,6 +175,30 @@ private:
             check(IDASetNonlinearSolver(ida, hook_.get()), "IDASetNonlinearSolver");
     }
 
+    bool rows_close() const { return ((next_.lambda.array() > 0) && (now_.lambda.array() <= 0)).any(); }
+
+    /// next_'s velocity without the impulse that the position constraint gave it, projected.
+    ContactReport impact(double h) {
+        force_.resize(now_.n);
+        problem_.B.multiply_transposed(next_.lambda, force_);
+        velocity_->solve_mass(1 / stage_a_, force_);
+        solution_ = next_.v() - force_ / stage_a_;
+        problem_.M->multiply(solution_, force_);
+        return velocity_->project(now_, force_, h, next_);
+    }
+    /// After a jump of v: order 1, at the last step's size.
+    void begin_anew() {
+        double h = 0;
+        IDAGetLastStep(ida_.get(), &h);
+        y_ = now_.y;
+        Derivative(problem_, workspace_)(now_.t, now_.y, yp_);
+        past_ = counters_;
+        past_tries_ = tries_;
+        check(IDAReInit(ida_.get(), now_.t, y_view_.get(), yp_view_.get()), "IDAReInit");
+        check(IDASetInitStep(ida_.get(), h), "IDASetInitStep");
+        check(IDASetStopTime(ida_.get(), grid_.t(grid_.steps)), "IDASetStopTime");
+    }
+
     Stage stage() override {
         const NonlinearData data = nonlinear_data(ida_.get());
         stage_t_ = fixed_ ? grid_.t(now_.step + 1) : data.t;
@@ -166,6 +207,7 @@ private:
         history_ = map(data.yp_predicted).head(size()) - data.cj * predicted;
         next_.y = predicted;
         predicted_ = data.y_predicted;
+        stage_a_ = data.cj;
         return {stage_t_, data.cj, history_.head(now_.n), history_.tail(size() - now_.n)};
     }
     void correct(N_Vector correction) override {
@@ -247,9 +289,9 @@ private:
         IDAGetNumSteps(ida_.get(), &steps);
         IDAGetNumErrTestFails(ida_.get(), &error_failures);
         IDAGetNumNonlinSolvConvFails(ida_.get(), &stage_failures);
-        tries_ = steps + error_failures + stage_failures;
-        counters_.error_failures = error_failures;
-        counters_.stage_failures = stage_failures;
+        tries_ = past_tries_ + steps + error_failures + stage_failures;
+        counters_.error_failures = past_.error_failures + error_failures;
+        counters_.stage_failures = past_.stage_failures + stage_failures;
         if (!options_.newton) counters_.stages = hook_.solves();
     }
 
@@ -294,11 +336,13 @@ private:
     StageHook hook_;
     LinearHook linear_;
     Memory ida_;
-    double stage_t_ = 0, clock_t_ = 0;
+    std::optional<VelocityProjection> velocity_;  // with an impact law
+    bool anew_ = false;                           // the last step ended with a jump of v, and the history began anew
+    double stage_t_ = 0, stage_a_ = 0, clock_t_ = 0;
     N_Vector predicted_ = nullptr;
     std::exception_ptr caught_;
-    RunCounters counters_;
-    long tries_ = 0;
+    RunCounters counters_, past_;
+    long tries_ = 0, past_tries_ = 0;
 };
 
 }  // namespace

@@ -35,6 +35,10 @@ std::vector<Expected> integrators() {
     all.push_back({std::make_shared<Arkode>(tr_bdf2())});
     all.push_back({std::make_shared<Arkode>(esdirk32()), 3, 3, 3, 3});
     all.push_back({std::make_shared<Arkode>(sdirk54()), 4, 4, 4, 4});
+    // With an impact law lambda is a mean over the step, of order 2 at its middle.
+    all.push_back({std::make_shared<Arkode>(sdirk2(), 0), 2, 2, 2, 2, 0.5});
+    all.push_back({std::make_shared<Arkode>(esdirk32(), 0), 3, 3, 3, 2, 0.5});
+    all.push_back({std::make_shared<Arkode>(sdirk54(), 0), 4, 4, 4, 2, 0.5});
     return all;
 }
 
