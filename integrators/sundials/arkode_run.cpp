@@ -197,7 +197,8 @@ private:
             long attempts = 0;
             ARKStepGetNumStepAttempts(memory_, &attempts);
             stage_index_ = attempts == attempt_ ? stage_index_ + 1 : first_implicit_;
-            if (attempts != attempt_) impulse_ = first_implicit_ * table_.b[0] * step_of(data.gamma) * first_lambda_;
+            if (attempts != attempt_)
+                impulse_ = (first_implicit_ == 1 ? table_.b[0] * step_of(data.gamma) : 0.0) * first_lambda_;
             attempt_ = attempts;
         }
         next_.y = map(data.predicted);
