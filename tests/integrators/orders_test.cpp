@@ -98,8 +98,9 @@ TEST(Orders, InFreeDampedMotion) {
 
 TEST(Orders, InPersistentContact) {
     for (const Expected& each : integrators()) {
-        const Errors coarse = persistent_contact(*each.method, 0.01, each.lambda_at),
-                     fine = persistent_contact(*each.method, 0.005, each.lambda_at);
+        const double dt = each.u > 3 ? 0.04 : 0.01;  // above rounding
+        const Errors coarse = persistent_contact(*each.method, dt, each.lambda_at),
+                     fine = persistent_contact(*each.method, dt / 2, each.lambda_at);
         EXPECT_NEAR(order(coarse.u, fine.u), each.u, 0.2) << each.method->name();
         EXPECT_NEAR(order(coarse.v, fine.v), each.v, 0.2) << each.method->name();
         EXPECT_NEAR(order(coarse.lambda, fine.lambda), each.lambda, 0.2) << each.method->name();
