@@ -26,6 +26,8 @@ using Strategy = ContactStrategy;
 using Prepared = std::unique_ptr<PreparedContact>;
 
 constexpr Index largest_orthogonal = 4000;
+/// Rows up to which pivots on a whole tableau are cheap.
+constexpr Index largest_tableau = 500;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
 constexpr Index cheap_to_factor = 20000;
 
@@ -166,7 +168,8 @@ public:
         ContactReport report = current_->solve(b, c, point);
         report.reason = choice_.reason;
         const bool settled_at_once = settled(report);
-        for (std::size_t next = 0; !settled(report) && next < rest_.size() && b.allFinite(); ++next) {
+        for (std::size_t next = 0; !settled(report) && !certified(report) && next < rest_.size() && b.allFinite();
+             ++next) {
             Vector u = point.u, lambda = point.lambda;
             ContactReport end;
             if (!try_link(rest_[next], b, c, {u, lambda}, end)) continue;
@@ -266,6 +269,8 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
         if (choice.strategy != Strategy::interior_point && allowed(options_, Strategy::interior_point) &&
             (A.main_diagonal().array() > 0).all())
             rest.push_back([A, B] { return InteriorPoint().prepare(A, B); });
+        if (medium && B.rows() > 0 && B.rows() <= largest_tableau)
+            rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
     }
     return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
 }

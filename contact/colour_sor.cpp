@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tact/contact/colour_sweeps.hpp"
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/lanczos.hpp"
 
@@ -59,21 +60,21 @@ public:
         read(b, c, point.u);
         double before = infinity;
         for (int stalled = 0;;) {
-            const Defect defect = from_above_ ? find_defect<true>() : find_defect<false>();
-            if (defect.residual <= accuracy * defect.force) break;
+            const double share = from_above_ ? find_defect<true>() : find_defect<false>();
+            if (share <= accuracy) break;
             // Twice in turn: rounding stops the descent, or nothing does; the certificate tells which. Once: a correction
             // that has put unknowns on their bounds or taken them off.
-            stalled = defect.residual <= 0.25 * before ? 0 : stalled + 1;
+            stalled = share <= 0.25 * before ? 0 : stalled + 1;
             if (stalled == 2) break;
             if (report.iterations >= sweep_limit) {
                 report.outcome = Outcome::iteration_limit;
                 return report;
             }
-            before = defect.residual;
-            const double goal = std::max(gain, 8 * accuracy * defect.force / defect.residual);
+            before = share;
+            const double goal = std::max(gain, 8 * accuracy / share);
             report.iterations += from_above_ ? correct<true>(goal) : correct<false>(goal);
         }
-        certify(report, certificate_, b, c, answer(), multipliers(c), acceptable, largest_u_, point);
+        accept_.certify(report, b, c, answer(), multipliers(c), acceptable, 0, point);
         return report;
     }
 
@@ -86,7 +87,7 @@ private:
     static constexpr int phase_limit = 500;
 
     PreparedSor(const Matrix& A, const Matrix& B, CompressedRows entries)
-        : certificate_(A, B),
+        : accept_(A, B),
           n_(A.rows()),
           order_(wave_order(entries)),
           sweeps_(order_.empty() ? entries : entries = permuted(entries, order_)) {
@@ -97,8 +98,13 @@ private:
         });
         for (Padded<double>* v : {&u_, &b_, &force_}) v->resize(padded);
         inverse_.resize(padded);
+        measure_.resize(padded);
         const auto diagonal = diagonal_of(entries);
-        for (Index i = 0; i < n_; ++i) inverse_[i] = static_cast<float>(1 / diagonal[at(i)]);
+        const double stiffest = *std::max_element(diagonal.begin(), diagonal.end());
+        for (Index i = 0; i < n_; ++i) {
+            inverse_[i] = static_cast<float>(1 / diagonal[at(i)]);
+            measure_[i] = static_cast<float>(std::sqrt(stiffest / diagonal[at(i)]));
+        }
         lower_.resize(padded, -infinity);
         upper_.resize(padded, infinity);
         read_rows(ConstraintRows(B));
@@ -149,8 +155,7 @@ private:
             store(u_.data() + i, u);
             raise(size, u);
         }
-        largest_u_ = largest_of(size);
-        unit_ = largest_u_;
+        unit_ = largest_of(size);
         if (unit_ == 0)
             for (Index i = 0; i < n_; ++i)
                 unit_ = std::max(unit_, std::abs(load_[i] * static_cast<double>(inverse_[i])));
@@ -173,22 +178,19 @@ private:
         return c[static_cast<Index>(row)] / weight_[row];
     }
 
-    /// Max norms: of b - A u where no bound holds it, and of A u.
-    struct Defect {
-        double residual, force;
-    };
-
     /// force_ = A u - b where a bound holds that against it, and what the sweeps take of b - A u: it over the diagonal, and
     /// the distances to the bounds, both in units of unit_.
-    template <bool from_above> Defect find_defect() {
+    /// Answers the defect where no bound holds it over A u, max norms: the larger share of the caller's unknowns and those of
+    /// unit stiffness.
+    template <bool from_above> double find_defect() {
         const Doubles::Reader rows = rows_.reader();
         const Places& places = sweeps_.places();
         const double *const u = u_.data(), *const b = load_, *const low = low_, *const high = upper_.data();
-        const float* const inverse = inverse_.data();
+        const float *const inverse = inverse_.data(), *const measure = measure_.data();
         double* const held_force = force_.data();
         float *const to_r = sweeps_.r.data(), *const to_lower = sweeps_.lower.data();
         const Part zero = {}, scale = 1 / unit_ - zero;
-        Part largest_residual = {}, largest_force = {};
+        Part largest_residual = {}, largest_force = {}, scaled_residual = {}, scaled_force = {};
         for (int s = 0, slices = rows_.slices(); s < slices; ++s) {
             const Index first = Index{s} * lanes;
             Doubles::Lanes product;
@@ -207,14 +209,24 @@ private:
                     upper.half[part] = __builtin_convertvector(above * scale, Half);
                 }
                 store(held_force + i, held ? -residual : zero);
-                raise(largest_residual, held ? zero : residual);
+                Half size;
+                std::memcpy(&size, measure + i, sizeof(size));
+                const Part unit = __builtin_convertvector(size, Part);
+                const Part free_residual = held ? zero : residual;
+                raise(largest_residual, free_residual);
                 raise(largest_force, product.part[part]);
+                raise(scaled_residual, free_residual * unit);
+                raise(scaled_force, product.part[part] * unit);
             }
             places.write(s, r.slice() * SlicedRows<float>::load_part(inverse + first), to_r);
             places.write(s, lower.slice(), to_lower);
             if constexpr (from_above) places.write(s, upper.slice(), sweeps_.upper.data());
         }
-        return {largest_of(largest_residual), largest_of(largest_force)};
+        const auto share = [](const Part& part, const Part& whole) {
+            const double numerator = largest_of(part);
+            return numerator == 0 ? 0 : numerator / largest_of(whole);
+        };
+        return std::max(share(largest_residual, largest_force), share(scaled_residual, scaled_force));
     }
 
     /// Sweeps until the changes have shrunk to `goal` of the first, then u takes the correction; it lies exactly on a
@@ -231,7 +243,6 @@ private:
         double* const u = u_.data();
         // The sweeps' bound is the rounded distance: half a unit of its last place is no gap.
         const Part scale = unit_ - Part{}, nearly = (1 - 1e-7) - Part{};
-        Part size = {};
         for (int s = 0, slices = rows_.slices(); s < slices; ++s) {
             Places::Slice slice;
             places.read(s, d, slice);
@@ -247,10 +258,8 @@ private:
                     next = step >= (above - here) * nearly ? above : next;
                 }
                 store(u + i, next);
-                raise(size, next);
             }
         }
-        largest_u_ = std::max(largest_u_, largest_of(size));
         return done;
     }
 
@@ -279,7 +288,7 @@ private:
 
     Index padded() const { return Index{rows_.slices()} * lanes; }
 
-    KktCertificate certificate_;
+    Acceptance accept_;
     Index n_;
     std::vector<int> order_;  // where the caller's reads badly: old number of each new one
     ColourSweeps sweeps_;
@@ -291,10 +300,11 @@ private:
     bool shared_ = false;      // several rows on one unknown: the force goes to one of them
     std::vector<char> taken_;
     float omega_ = 1;
-    double unit_ = 1, largest_u_ = 0;
+    double unit_ = 1;
     const double *load_ = nullptr, *low_ = nullptr;
     Padded<double> u_, b_, force_, lower_, upper_;
     Padded<float> inverse_;  // of the diagonal
+    Padded<float> measure_;  // sqrt(max_j A_jj / A_ii): forces in unknowns of unit stiffness
     Vector lambda_, answer_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/saddle_system.hpp"
 
 namespace tact {
@@ -67,8 +68,6 @@ public:
 
 private:
     static constexpr double central = 1e-4;
-    static constexpr double proximal =
-        1e-9;  // holds the multipliers of dependent rows; its effect ends with the steps
 
     SparseMatrix columns_in_system() {
         std::vector<Index> kept;
@@ -266,7 +265,7 @@ bool settle(const Programme& p, Iterate& at) {
 class PreparedInterior final : public PreparedContact {
 public:
     PreparedInterior(const Matrix& A, const Matrix& B, std::shared_ptr<const ContactSolver> finish)
-        : source_A_(A), source_B_(B), finish_(std::move(finish)), certificate_(A, B) {
+        : source_A_(A), source_B_(B), finish_(std::move(finish)), accept_(A, B) {
         unit_ = A.main_diagonal().cwiseSqrt().cwiseInverse();
         A_ = unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal();
         Bt_ = B.to_sparse().transpose();
@@ -363,14 +362,12 @@ private:
                 const ConstVectorRef& c, ContactPoint point) {
         u_ = unit_.cwiseProduct(at.u);
         lambda_ = Vector::Zero(c.size());
-        double size = 0;
         const double negligible = 1e-12 * size_of(at.multiplier);
         for (Index k = 0; k < p.c.size(); ++k) {
             const Index row = p.rows[static_cast<std::size_t>(k)];
             // What the path leaves on a row without contact is nothing.
             const bool open = k >= p.equations && at.multiplier[k] < std::min(at.slack[k - p.equations], negligible);
             const double multiplier = open ? 0 : at.multiplier[k] * length_[row];
-            size = std::max(size, std::abs(c[row]));
             if (multiplier > 0)
                 lambda_[row] = multiplier;
             else if (k < p.equations)
@@ -382,23 +379,19 @@ private:
                     u_[entry.index()] = c[row] / entry.value();
             }
         }
-        if (rows_are_met(c))
-            certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+        if (works_balance(p, at))
+            accept_.certify(report, b, c, u_, lambda_, acceptable, 0, point);
         else
             report.outcome = Outcome::inaccurate;
     }
 
-    /// Each row by its own |c_i| + |B_i||u|: the certificate's largest one may be a bound that means none.
-    bool rows_are_met(const ConstVectorRef& c) const {
-        for (Index i = 0; i < c.size(); ++i) {
-            double gap = -c[i], own = std::abs(c[i]);
-            for (SparseMatrix::InnerIterator it(Bt_, i); it; ++it) {
-                gap += it.value() * u_[it.row()];
-                own += std::abs(it.value() * u_[it.row()]);
-            }
-            if (gap < -acceptable * own) return false;
-        }
-        return true;
+    /// u'Au = b'u + lambda'c. Where rows nearly exclude each other the path runs off to forces so large that no residual
+    /// scaled by them shows anything.
+    bool works_balance(const Programme& p, const Iterate& at) const {
+        const double energy = at.u.dot(p.A * at.u), load = size_of(p.b);
+        const double difference = energy - p.b.dot(at.u) - p.c.dot(at.multiplier);
+        const double size = energy + p.b.cwiseProduct(at.u).lpNorm<1>() + p.c.cwiseProduct(at.multiplier).lpNorm<1>();
+        return std::abs(difference) <= 1e-6 * size + 1e-13 * load * load;
     }
 
     ContactReport finish(const ContactReport& first, const ConstVectorRef& b, const ConstVectorRef& c,
@@ -422,7 +415,7 @@ private:
     Matrix source_A_, source_B_;
     std::shared_ptr<const ContactSolver> finish_;
     std::unique_ptr<PreparedContact> finisher_;
-    KktCertificate certificate_;
+    Acceptance accept_;
     Vector unit_, length_;  // of an unknown of unit stiffness, of a row of unit length
     SparseMatrix A_, Bt_, scaled_Bt_;
     std::vector<Index> mirror_;

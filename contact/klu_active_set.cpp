@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/klu_solver.hpp"
 
@@ -183,23 +184,35 @@ private:
     Vector x_;
 };
 
+/// A power of two, so that scaling rounds nothing, near 1 / sqrt(x); 1 where x is not positive.
+double unit_of(double x) { return x > 0 ? std::exp2(std::round(-0.5 * std::log2(x))) : 1; }
+
+Vector unit_rows(const SparseMatrix& B) {
+    Vector square = Vector::Zero(B.rows());
+    for (Index j = 0; j < B.outerSize(); ++j)
+        for (SparseMatrix::InnerIterator it(B, j); it; ++it) square[it.row()] += it.value() * it.value();
+    return square.unaryExpr(&unit_of);
+}
+
+/// In unknowns of unit stiffness and rows of unit length, where pivots say whether the system of a set is singular.
 class PreparedKlu final : public PreparedContact {
 public:
     PreparedKlu(const Matrix& A, const Matrix& B)
-        : certificate_(A, B),
-          rows_(B),
-          system_(A.to_sparse(), rows_),
+        : accept_(A, B),
+          unit_(A.main_diagonal().unaryExpr(&unit_of)),
+          B_(B.to_sparse() * unit_.asDiagonal()),
+          row_unit_(unit_rows(B_)),
+          rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
+          system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
           active_(static_cast<std::size_t>(B.rows()), 0) {}
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
         report.strategy = "KLU condensed";
         const Index m = rows_.rows();
-        double size = 0;
-        for (Index i = 0; i < m; ++i) {
-            active_[static_cast<std::size_t>(i)] = point.lambda[i] > 0 && c[i] != -infinity;
-            if (c[i] != -infinity) size = std::max(size, std::abs(c[i]));
-        }
+        b_ = b.cwiseProduct(unit_);
+        c_ = c.cwiseProduct(row_unit_);
+        for (Index i = 0; i < m; ++i) active_[static_cast<std::size_t>(i)] = point.lambda[i] > 0 && c[i] != -infinity;
         std::vector<std::uint64_t> visited;
         for (report.iterations = 1;; ++report.iterations) {
             const auto print = fingerprint();
@@ -224,15 +237,15 @@ public:
                 }
                 factored_ = active_;
             }
-            system_.solve(b, c, active_, u_, lambda_);
-            size = std::max(size, u_.cwiseAbs().maxCoeff());
+            system_.solve(b_, c_, active_, u_, lambda_);
             bool changed = false;
             for (Index i = 0; i < m; ++i) {
                 auto& on = active_[static_cast<std::size_t>(i)];
                 bool now = false;
                 if (c[i] != -infinity) {
-                    const double gap = rows_.gather(i, u_.data()) - c[i];
-                    now = on ? lambda_[i] > 0 : gap < -2e-14 * (std::abs(c[i]) + rows_.gather_absolute(i, u_.data()));
+                    const double gap = rows_.gather(i, u_.data()) - c_[i];
+                    now =
+                        on ? lambda_[i] > 0 : gap < -2e-14 * (std::abs(c_[i]) + rows_.gather_absolute(i, u_.data()));
                 }
                 changed |= now != static_cast<bool>(on);
                 on = now;
@@ -242,8 +255,10 @@ public:
         // A bound is met exactly: a gap of zero then is zero, not rounding.
         for (Index i = 0; i < m; ++i)
             if (active_[static_cast<std::size_t>(i)] && rows_.columns(i).size() == 1)
-                u_[rows_.columns(i)[0]] = c[i] / rows_.weights(i)[0];
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+                u_[rows_.columns(i)[0]] = c_[i] / rows_.weights(i)[0];
+        u_ = u_.cwiseProduct(unit_).eval();
+        lambda_ = lambda_.cwiseProduct(row_unit_).eval();
+        accept_.certify(report, b, c, u_, lambda_, acceptable, 0, point);
         return report;
     }
 
@@ -257,12 +272,15 @@ private:
         return hash;
     }
 
-    KktCertificate certificate_;
+    Acceptance accept_;
+    Vector unit_;
+    SparseMatrix B_;  // in these units
+    Vector row_unit_;
     ConstraintRows rows_;
     CondensedSystem system_;
     std::vector<char> active_;
     std::optional<std::vector<char>> factored_;  // the set in the factor
-    Vector u_, lambda_;
+    Vector b_, c_, u_, lambda_;
 };
 
 }  // namespace

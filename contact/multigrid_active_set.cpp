@@ -14,7 +14,6 @@ namespace tact {
 namespace {
 
 using Floats = SmoothedAggregation::Floats;
-constexpr Index padding = SmoothedAggregation::padding;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/lemke.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/klu_solver.hpp"
@@ -12,11 +13,32 @@
 namespace tact {
 namespace {
 
+/// A factor of A found in unknowns of unit stiffness, where pivots say whether A is singular; by powers of two, which round
+/// nothing.
+class ScaledFactor {
+public:
+    explicit ScaledFactor(const Matrix& A)
+        : unit_(A.main_diagonal().unaryExpr(
+              [](double a) { return a > 0 ? std::exp2(std::round(-0.5 * std::log2(a))) : 1.0; })),
+          factor_(
+              KluSolver().factorize(Matrix(SparseMatrix(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal())))) {}
+    /// X := A^-1 X.
+    void solve(Eigen::Ref<DenseMatrix> X) const {
+        X = unit_.asDiagonal() * X;
+        factor_->solve(X);
+        X = unit_.asDiagonal() * X;
+    }
+
+private:
+    Vector unit_;
+    std::unique_ptr<const Factor> factor_;
+};
+
 class PreparedPivoting final : public PreparedContact {
 public:
     PreparedPivoting(const Matrix& A, const Matrix& B)
-        : A_(A), certificate_(A, B), factor_(KluSolver().factorize(A)), rows_(B), W_(B.to_dense().transpose()) {
-        factor_->solve(W_);
+        : A_(A), accept_(A, B), factor_(A), rows_(B), W_(B.to_dense().transpose()) {
+        factor_.solve(W_);
         S_ = B.times(W_);
         unit_ = S_.diagonal().unaryExpr([](double s) { return s > 0 ? 1 / std::sqrt(s) : 1.0; });
         Bt_ = SparseMatrix(B.to_sparse().transpose());
@@ -29,22 +51,20 @@ public:
         ContactReport report;
         report.strategy = "principal pivoting";
         free_ = b;
-        factor_->solve(free_);
+        factor_.solve(free_);
         const Index m = g_.size();
-        double size = 0;
         active_.assign(static_cast<std::size_t>(m), 0);
         for (Index i = 0; i < m; ++i) {
             const double own = std::abs(c[i]) + rows_.gather_absolute(i, free_.data());
             g_[i] = c[i] - rows_.gather(i, free_.data());
             allowance_[i] = 2e-14 * own;
-            if (c[i] != -infinity) size = std::max(size, own);
             active_[static_cast<std::size_t>(i)] = point.lambda[i] > 0 && c[i] != -infinity;
         }
         if (!pivot_in_blocks(report) && !pivot_by_lemke(c, report)) return report;
         u_ = free_ + W_ * lambda_;
         // Twice: the gaps of the free solution were rounded by its size, not by that of u.
         for (int round = 0; round < 2; ++round) refine(b, c);
-        certify(report, certificate_, b, c, u_, lambda_, 1e-10, 1e-10 * size, point);
+        accept_.certify(report, b, c, u_, lambda_, 1e-10, 0, point);
         return report;
     }
 
@@ -85,23 +105,33 @@ private:
             return false;
         }
         const DenseMatrix scaled = unit_.asDiagonal() * S_ * unit_.asDiagonal();
-        const LemkeReport end = lemke(scaled(on, on), unit_.cwiseProduct(g_)(on));
-        report.iterations += end.pivots;
-        report.outcome = end.outcome;
-        if (end.outcome == Outcome::infeasible) {
-            Vector y = Vector::Zero(c.size());
-            for (std::size_t k = 0; k < on.size(); ++k) y[on[k]] = end.ray[static_cast<Index>(k)] * unit_[on[k]];
-            if (excludes(y, c))
-                report.infeasibility = y / y.maxCoeff();
-            else
-                report.outcome = Outcome::cycling;
+        const Vector g = unit_.cwiseProduct(g_)(on);
+        const DenseMatrix S = scaled(on, on);
+        // Where many rows meet in one point rounding decides ties, and may decide for a singular basis: a second and third time
+        // the rows are moved apart, and the basis found is that of the rows where they are.
+        for (const double apart : {0.0, 1e-9, 1e-6}) {
+            const Vector shift = apart * g.lpNorm<Eigen::Infinity>() * Vector::LinSpaced(g.size(), 1, 2).cwiseSqrt();
+            const LemkeReport end = lemke(S, g - shift);
+            report.iterations += end.pivots;
+            report.outcome = end.outcome;
+            if (end.outcome == Outcome::infeasible) {
+                Vector y = Vector::Zero(c.size());
+                for (std::size_t k = 0; k < on.size(); ++k) y[on[k]] = end.ray[static_cast<Index>(k)] * unit_[on[k]];
+                if (excludes(y, c)) {
+                    report.infeasibility = y / y.maxCoeff();
+                    return false;
+                }
+            } else if (end.outcome == Outcome::converged) {
+                std::fill(active_.begin(), active_.end(), char{0});
+                for (std::size_t k = 0; k < on.size(); ++k) active_[static_cast<std::size_t>(on[k])] = end.basic[k];
+                if (balance() && (lambda_.array() >= -1e-6 * lambda_.lpNorm<Eigen::Infinity>()).all()) {
+                    lambda_ = lambda_.cwiseMax(0);
+                    return true;
+                }
+            }
+            report.outcome = Outcome::cycling;
         }
-        if (end.outcome != Outcome::converged) return false;
-        std::fill(active_.begin(), active_.end(), char{0});
-        for (std::size_t k = 0; k < on.size(); ++k) active_[static_cast<std::size_t>(on[k])] = end.basic[k];
-        if (!balance()) report.outcome = Outcome::cycling;
-        lambda_ = lambda_.cwiseMax(0);
-        return report.outcome == Outcome::converged;
+        return false;
     }
 
     /// Whether y >= 0 has B'y = 0 and c'y > 0 beyond rounding, in unknowns of unit stiffness.
@@ -109,12 +139,7 @@ private:
         if (!y.allFinite() || !(y.maxCoeff() > 0)) return false;
         const Vector energy = y.cwiseQuotient(unit_);
         y = (energy.array() > 1e-13 * energy.maxCoeff()).select(y, 0.0);
-        const Vector diagonal = A_.main_diagonal().cwiseAbs();
-        const Vector units = diagonal.unaryExpr([](double a) { return a > 0 ? 1 / std::sqrt(a) : 1.0; });
-        const Vector force = (Bt_ * y).cwiseProduct(units), size = (Bt_.cwiseAbs() * y).cwiseProduct(units);
-        if (!(force.lpNorm<Eigen::Infinity>() <= 1e-9 * size.lpNorm<Eigen::Infinity>())) return false;
-        const Vector value = (y.array() > 0).select(y.cwiseProduct(c), 0);
-        return value.sum() > 1e-9 * value.lpNorm<1>();
+        return accept_.excludes(y, c);
     }
 
     /// S(C, C) lambda_C = g_C in units of energy; false if the block is singular.
@@ -144,7 +169,7 @@ private:
         Vector residual = b;
         A_.multiply(u_, residual, -1, 1);
         residual += Bt_ * lambda_;
-        factor_->solve(residual);
+        factor_.solve(residual);
         const Index k = static_cast<Index>(rows_in_contact_.size());
         Vector right(k);
         for (Index j = 0; j < k; ++j) {
@@ -173,8 +198,8 @@ private:
     }
 
     Matrix A_;
-    KktCertificate certificate_;
-    std::unique_ptr<const Factor> factor_;
+    Acceptance accept_;
+    ScaledFactor factor_;
     Eigen::PartialPivLU<DenseMatrix> lu_;  // of the last balance
     ConstraintRows rows_;
     DenseMatrix W_, S_;

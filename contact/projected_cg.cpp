@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/aggregation.hpp"
 #include "tact/lib/sparse/sliced_rows.hpp"
@@ -57,7 +58,7 @@ SparseMatrix scaled_rows_of(const Matrix& B, const Vector& scale, Vector& row_sc
 class PreparedCg final : public PreparedContact {
 public:
     PreparedCg(const Matrix& A, const Matrix& B)
-        : certificate_(A, B),
+        : accept_(A, B),
           scale_(A.main_diagonal().cwiseSqrt().cwiseInverse()),
           A_(A.to_sparse(), scale_),
           rows_(Matrix(scaled_rows_of(B, scale_, row_scale_))),
@@ -111,8 +112,7 @@ public:
         for (Index i = 0; i < lambda_.size(); ++i)
             lambda_[i] = in_contact_[static_cast<std::size_t>(i)] ? std::max(lambda_[i], 0.0) * row_scale_[i] : 0.0;
         u_ = x_.cwiseProduct(scale_);
-        const double size = std::max(point.u.lpNorm<Eigen::Infinity>(), u_.lpNorm<Eigen::Infinity>());
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+        accept_.certify(report, b, c, u_, lambda_, acceptable, accept_.reach(point.u), point);
         return report;
     }
 
@@ -186,7 +186,7 @@ private:
         return hash;
     }
 
-    KktCertificate certificate_;
+    Acceptance accept_;
     Vector scale_, row_scale_;
     ScaledRows A_;
     ConstraintRows rows_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/dense/active_set.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/linear_solver.hpp"
@@ -80,7 +81,7 @@ class PreparedSchur final : public PreparedContact {
 public:
     PreparedSchur(const Matrix& A, const Matrix& B, const LinearSolver& linear, SchurOptions options)
         : factor_(linear.factorize(A)),
-          certificate_(A, B),
+          accept_(A, B),
           rows_(B),
           pool_(*factor_, rows_, options.pool_bytes),
           free_(A.rows()),
@@ -96,9 +97,10 @@ public:
             free_ = b;
             factor_->solve(free_);
             load_ = b;
+            reach_ = accept_.reach(free_);
         }
         const Index m = rows_.rows();
-        const double size = gaps_of_free_solution(c);
+        gaps_of_free_solution(c);
         lambda_.setZero();
         u_ = free_;
         violated_.clear();
@@ -123,7 +125,7 @@ public:
         for (const Index row : pool_.members())
             if (lambda_[row] > 0 && rows_.columns(row).size() == 1)
                 u_[rows_.columns(row)[0]] = c[row] / rows_.weights(row)[0];
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, size, point);
+        accept_.certify(report, b, c, u_, lambda_, acceptable, reach_, point);
         return report;
     }
 
@@ -134,16 +136,13 @@ private:
     /// Of the row's own |c_i| + |B_i||u|: two digits above the rounding of a solve.
     static constexpr double gap_tolerance = 2e-14;
 
-    /// gap_ = B free_, and what of a violation each row is allowed; returns the size of the gaps.
-    double gaps_of_free_solution(const ConstVectorRef& c) {
-        double size = 0;
+    /// gap_ = B free_, and what of a violation each row is allowed.
+    void gaps_of_free_solution(const ConstVectorRef& c) {
         for (Index i = 0; i < c.size(); ++i) {
             gap_[i] = rows_.gather(i, free_.data());
             const double own = std::abs(c[i]) + rows_.gather_absolute(i, free_.data());
             allowance_[i] = gap_tolerance * own;
-            if (c[i] != -infinity) size = std::max(size, own);
         }
-        return size;
     }
 
     bool any_violated_in_pool(const ConstVectorRef& c) const {
@@ -290,7 +289,7 @@ private:
     }
 
     std::unique_ptr<const Factor> factor_;
-    KktCertificate certificate_;
+    Acceptance accept_;
     ConstraintRows rows_;
     Pool pool_;
     CondensedActiveSet active_set_;
@@ -298,6 +297,7 @@ private:
     std::vector<char> in_working_set_;
     DenseMatrix S_;  // of the working set, as what follows
     Vector working_g_, working_allowance_, working_multiplier_, working_w_;
+    double reach_ = 0;  // of free_, in units of energy
     Vector load_, free_, u_, gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
 };
 

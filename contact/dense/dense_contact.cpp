@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/dense/goldfarb_idnani.hpp"
 #include "tact/lib/linear_solver.hpp"
 
@@ -16,9 +17,8 @@ constexpr double gap_tolerance = 2e-14;
 class PreparedDense final : public PreparedContact {
 public:
     PreparedDense(const Matrix& A, const Matrix& B)
-        : certificate_(A, B), u_(A.rows()), g_(B.rows()), w_(B.rows()), multiplier_(B.rows()), lambda_(B.rows()) {
+        : accept_(A, B), u_(A.rows()), g_(B.rows()), w_(B.rows()), multiplier_(B.rows()), lambda_(B.rows()) {
         factor_ = DenseLinearSolver().factorize(A);
-        stiffness_ = A.main_diagonal().cwiseSqrt();
         if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
         const DenseMatrix dense_B = B.to_dense();
         W_ = dense_B.transpose();
@@ -48,7 +48,8 @@ public:
             factor_->solve(u_);
         }
         const Index m = g_.size();
-        double gap_size = 0;
+        double gap_size = 0, reach = 0;
+        bool doubtful = false;  // rows were left violated by what may be rounding
         if (m > 0) {
             g_.noalias() = B_ * u_;
             w_ = c.cwiseProduct(scale_);
@@ -58,17 +59,19 @@ public:
                 gap_size = (w_.array() == -infinity)
                                .select(0, w_.cwiseAbs().cwiseMax(g_.cwiseAbs()).cwiseQuotient(scale_))
                                .maxCoeff();
+                reach = accept_.reach(u_);
                 g_ = w_ - g_;
                 multiplier_ = point.lambda.cwiseQuotient(scale_);
                 const auto dual = dual_.solve(S_, g_, allowance_, multiplier_, w_);
                 report.iterations = dual.iterations;
                 report.outcome = dual.outcome;
                 if (dual.outcome == Outcome::infeasible) {
-                    if (!balances(dual_.infeasibility())) {
+                    report.infeasibility = dual_.infeasibility().cwiseProduct(scale_);
+                    if (!accept_.excludes(report.infeasibility, c)) {
+                        report.infeasibility.resize(0);
                         report.outcome = Outcome::inaccurate;
                         return report;
                     }
-                    report.infeasibility = dual_.infeasibility().cwiseProduct(scale_);
                     report.infeasibility /= report.infeasibility.maxCoeff();
                 }
                 if (dual.outcome != Outcome::converged) return report;
@@ -80,44 +83,30 @@ public:
                 for (const auto& [row, column, weight] : bounds_)
                     if (multiplier_[row] > 0) u_[column] = c[row] / weight;
                 lambda_ = multiplier_.cwiseProduct(scale_);
-                if (dual_.forgave() && !rows_are_met(c)) {
-                    report.outcome = Outcome::inaccurate;
-                    return report;
-                }
+                doubtful = dual_.forgave();
             } else {
                 lambda_.setZero();
             }
         }
         // NaN in b or c ends here, as does an A that is singular in all but name.
-        certify(report, certificate_, b, c, u_, lambda_, acceptable, gap_size, point);
+        if (!doubtful) certify(report, accept_.residuals(), b, c, u_, lambda_, acceptable, gap_size, point);
+        if (!doubtful && report.outcome == Outcome::converged) return report;
+        report.outcome = Outcome::converged;
+        accept_.certify(report, b, c, u_, lambda_, acceptable, reach, point);
         return report;
     }
 
 private:
     static constexpr double acceptable = 1e-9;
-    /// B'y = 0 in unknowns of unit stiffness, beyond what S y = 0 says where A is nearly singular.
-    bool balances(const Vector& y) const {
-        const Vector force = B_.transpose() * y, size = B_.cwiseAbs().transpose() * y;
-        return force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <=
-               1e-9 * size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
-    }
-    /// Each row by its own size, and by the rounding of the sum that u is: the certificate's largest one may be a bound that
-    /// means none, and where nothing but u = 0 is admissible u is rounding itself.
-    bool rows_are_met(const ConstVectorRef& c) const {
-        const Vector bound = c.cwiseProduct(scale_), gap = B_ * u_ - bound;
-        const Vector own = bound.cwiseAbs() + B_.cwiseAbs() * u_.cwiseAbs();
-        const Vector summed = B_.cwiseAbs() * (W_.cwiseAbs() * multiplier_.cwiseAbs());
-        return ((gap.array() >= 0) || (gap.array() >= -(acceptable * own + gap_tolerance * summed).array())).all();
-    }
     struct Bound {
         Index row, column;
         double weight;
     };
     std::vector<Bound> bounds_;  // the rows of B with one entry
-    KktCertificate certificate_;
+    Acceptance accept_;
     std::unique_ptr<const Factor> factor_;
     Vector inverse_;  // of A's diagonal, where it is diagonal
-    Vector scale_, stiffness_;
+    Vector scale_;
     DenseMatrix B_, W_, S_;
     GoldfarbIdnani dual_;
     Vector u_, g_, w_, allowance_, multiplier_, lambda_;

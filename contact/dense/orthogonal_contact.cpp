@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/dense/orthogonal_factor.hpp"
 
 namespace tact {
@@ -59,7 +60,7 @@ private:
 class PreparedOrthogonal final : public PreparedContact {
 public:
     PreparedOrthogonal(const Matrix& A, const Matrix& B)
-        : certificate_(A, B),
+        : accept_(A, B),
           A_(A),
           root_(A),
           Bt_(B.to_sparse().transpose()),
@@ -91,7 +92,7 @@ public:
         root_.lower(free_);
         u_ = free_;
         root_.upper(u_);
-        free_size_ = scaled_size(u_);
+        free_reach_ = accept_.reach(u_);
         start_from(point.lambda, c);
         forgiven_ = Vector::Zero(m);
         state_.assign(static_cast<std::size_t>(m), State::open);
@@ -111,13 +112,7 @@ public:
                 const SparseMatrix::InnerIterator entry(Bt_, i);
                 u_[entry.index()] = c[i] / entry.value();
             }
-        double gap_size = 0;
-        for (Index i = 0; i < m; ++i)
-            if (c[i] != -infinity) gap_size = std::max({gap_size, std::abs(c[i]), length_[i] * u_.norm()});
-        if (rows_are_met(c))
-            certify(report, certificate_, b, c, u_, lambda_, acceptable, gap_size, point);
-        else
-            report.outcome = Outcome::inaccurate;
+        accept_.certify(report, b, c, u_, lambda_, acceptable, free_reach_, point);
         return report;
     }
 
@@ -126,20 +121,6 @@ private:
     static constexpr double dependence = 1e-9;      // of a row's length, after two projections
     static constexpr double gap_tolerance = 1e-13;  // of the row's own |c_i| + |B_i||u|
     enum class State : char { open, active };
-
-    double scaled_size(const Vector& u) const { return u.cwiseProduct(stiffness_).lpNorm<Eigen::Infinity>(); }
-
-    /// Each row by its own |c_i| + |B_i||u|, beyond the rounding of u: the certificate's largest one may be a bound that
-    /// means none.
-    bool rows_are_met(const ConstVectorRef& c) {
-        size_ = u_.cwiseAbs();
-        const double noise = 4e-15 * std::max(scaled_size(u_), free_size_);
-        for (Index i = 0; i < c.size(); ++i) {
-            const double own = std::abs(c[i]) + absolute_.col(i).dot(size_);
-            if (c[i] - Bt_.col(i).dot(u_) > acceptable * own + noise * weight_[i]) return false;
-        }
-        return true;
-    }
 
     /// Solves on the rows in the factor: t = R^-T (c_C - D'y_free), y = y_free + Q t, lambda_C = R^-1 t.
     void balance(const ConstVectorRef& c) {
@@ -223,7 +204,7 @@ private:
         root_.upper(u_);
         size_ = u_.cwiseAbs();
         // u carries rounding of its largest entry everywhere, also where it is small.
-        const double noise = 4e-15 * scaled_size(u_);
+        const double noise = 4e-15 * accept_.reach(u_);
         Index worst = -1;
         double depth = 0;
         for (Index i = 0; i < c.size(); ++i) {
@@ -288,15 +269,12 @@ private:
         Vector y = Vector::Zero(c.size());
         y[q] = 1;
         for (Index i = 0; i < r.size(); ++i) y[rows_[static_cast<std::size_t>(i)]] = std::max(-r[i], 0.0);
-        const double reach = y_.size() > 0 ? u_.lpNorm<Eigen::Infinity>() : 0;
-        double value = 0, size = 0;
-        for (Index i = 0; i < y.size(); ++i) {
-            if (y[i] == 0) continue;
-            value += y[i] * c[i];
-            size += y[i] * (std::abs(c[i]) + absolute_.col(i).sum() * reach);
-        }
         // B'y vanishes to rounding only: it says nothing against a u that rounding of this size could satisfy.
-        if (value > 1e-10 * size) {
+        double value = 0;
+        for (Index i = 0; i < y.size(); ++i)
+            if (y[i] > 0) value += y[i] * c[i];
+        const Vector rest = Bt_ * y;
+        if (value > 10 * rest.cwiseAbs().dot(u_.cwiseAbs()) && accept_.excludes(y, c)) {
             report.infeasibility = y / y.maxCoeff();
             return Outcome::infeasible;
         }
@@ -310,14 +288,14 @@ private:
         return Outcome::converged;
     }
 
-    KktCertificate certificate_;
+    Acceptance accept_;
     Matrix A_;
     Root root_;
     SparseMatrix Bt_, absolute_;  // column i: row i of B, and its absolute values
     OrthogonalFactor factor_;
     std::vector<Index> rows_;
     std::vector<State> state_;
-    double free_size_ = 0;
+    double free_reach_ = 0;
     Vector forgiven_;  // by how much a row that depends on the active ones is left violated, to rounding
     Vector stiffness_, length_, weight_, multiplier_, free_, y_, u_, lambda_, row_, h_, z_, change_, residual_, size_;
 };

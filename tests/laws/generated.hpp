@@ -186,7 +186,8 @@ inline bool near(const Generated& g, const Vector& u) {
     for (Index i = 0; i < u.size(); ++i) size += std::abs(Wide(g.qp.b[i]) * (*g.u)[i]);
     Wide reach = 0;
     for (Index i = 0; i < u.size(); ++i) reach += std::abs(Wide(g.qp.b[i]) * g.qp.b[i] / g.qp.A(i, i));
-    return distance <= 1e-12L * (size + reach);
+    constexpr Wide denormal = std::numeric_limits<double>::min();
+    return distance <= 1e-12L * (size + reach) + denormal * denormal;
 }
 
 /// `missed`: no answer where there is one, which only the chooser owes: its chain ends in methods that are finite, up to
@@ -196,8 +197,6 @@ inline Judged judge(const Generated& g, const Strategy& strategy) {
     Judged j{Verdict::refused, {}, {}};
     const bool takes = std::ranges::find(strategy.takes, g.rows) != strategy.takes.end();
     if (!takes || (!g.symmetric && !strategy.unsymmetric)) return j;
-    // Its sweeps end on the residual in the user's units: at 1e8 and beyond other units hide what is left of it.
-    if (std::string(strategy.name) == "ColourSor" && g.scaled && g.condition > 1e8) return j;
     const bool chooser = std::string(strategy.name) == "AutomaticContact";
     const bool definite = g.condition < (g.symmetric ? 1e10 : 1e8);
     try {

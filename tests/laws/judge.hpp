@@ -27,7 +27,8 @@ struct Sum {
 /// Why (u, lambda) is not a solution; empty if it is one. Besides the residuals as lib/kkt.hpp defines them, measures
 /// that do not change when unknowns or rows are scaled, so that no large entry hides a wrong small one:
 /// each row by its own size, forces over sqrt(A_ii), complementarity as work. `noise`: what each entry of u is allowed to be
-/// off whatever its size, such as rounding of A^-1 b.
+/// off whatever its size, such as rounding of A^-1 b; besides 4e-15 of the largest u_i and b_i, in unknowns of unit stiffness:
+/// a bound at zero is met to the rounding of the others.
 inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, const Vector& lambda,
                                   const Vector& noise, Wide tolerance = 2e-9L) {
     const Index n = qp.A.rows(), m = qp.B.rows();
@@ -49,6 +50,10 @@ inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, c
     if (ratio(scaled_residual, scaled_force) > 100 * tolerance) return "stationarity in scaled unknowns";
     Wide largest_multiplier = 0;
     for (Index i = 0; i < m; ++i) largest_multiplier = std::max<Wide>(largest_multiplier, lambda[i]);
+    Wide reach = 0;  // in unknowns of unit stiffness
+    for (Index i = 0; i < n; ++i)
+        if (const Wide unit = std::sqrt(Wide(qp.A(i, i))); unit > 0)
+            reach = std::max({reach, std::abs(Wide(u[i])) * unit, std::abs(Wide(qp.b[i])) / unit});
     Wide complementary_work = 0;
     for (Index i = 0; i < m; ++i) {
         if (lambda[i] < 0) return "negative multiplier on row " + std::to_string(i);
@@ -57,14 +62,15 @@ inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, c
             continue;
         }
         Sum gap;
-        Wide reach = std::abs(Wide(qp.c[i])), allowed = 0;
+        Wide own = std::abs(Wide(qp.c[i])), allowed = 0;
         for (Index j = 0; j < n; ++j) {
             gap.add(Wide(qp.B(i, j)) * u[j]);
-            reach += std::abs(Wide(qp.B(i, j)) * u[j]);
+            own += std::abs(Wide(qp.B(i, j)) * u[j]);
             allowed += std::abs(Wide(qp.B(i, j))) * noise[j];
+            if (qp.A(j, j) > 0) allowed += std::abs(Wide(qp.B(i, j))) * 4e-15L * reach / std::sqrt(Wide(qp.A(j, j)));
         }
         gap.add(-Wide(qp.c[i]));
-        if (gap.value < -5 * tolerance * reach - allowed) return "penetration of row " + std::to_string(i);
+        if (gap.value < -5 * tolerance * own - allowed) return "penetration of row " + std::to_string(i);
         if (gap.value > 0) complementary_work += lambda[i] * std::max<Wide>(gap.value - allowed, 0);
         work += lambda[i] * gap.size;
     }
