@@ -12,7 +12,6 @@ namespace tact {
 namespace {
 
 constexpr int lanes = SlicedRows<float>::lanes;
-constexpr int padding = SmoothedAggregation::padding;
 using Lanes = SlicedRows<float>::Lanes;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
