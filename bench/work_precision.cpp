@@ -14,7 +14,7 @@ namespace tact::bench {
 namespace {
 
 PrecisionTiming timing_of(const WorkPrecisionOptions& options) {
-    return {options.repeats, options.small ? 0.01 : 0.5, options.small ? 0.12 : 12.0};
+    return {options.repeats, options.small ? 0.01 : 0.5, options.small ? 0.12 : 6.0};
 }
 
 /// GSL's msbdf with the dense Jacobian, and its two methods that need none and suit a problem that is not stiff.

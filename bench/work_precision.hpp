@@ -9,7 +9,7 @@
 namespace tact::bench {
 
 struct WorkPrecisionOptions {
-    bool small = false;  ///< bars of 30 to 100 elements, membrane 12 x 12, plates 8 x 8
+    bool small = false;  ///< membrane 12 x 12 and plates 8 x 8 instead of 100 x 100 and 40 x 40, bars likewise
     int repeats = 5;
     std::vector<std::string> scenes = {};  ///< of precision_scene_names; empty: all
     bool answers = true;                   ///< the measurements behind the closing table that are no rows

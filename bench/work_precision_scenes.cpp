@@ -118,7 +118,7 @@ OrdinaryProblem condensed(const ContactProblem& problem) {
 }
 
 PrecisionScene held_bar(bool small) {
-    const Index elements = small ? 50 : 200;
+    const Index elements = small ? 50 : 100;
     ContactProblem problem =
         bar_impact(elements, {.length = 1, .density = 1, .modulus = 1, .velocity = 0, .gap = 0, .gravity = 1})
             .problem;
@@ -212,7 +212,7 @@ std::string family_of(const PrecisionMethod& method) {
 }
 
 PrecisionScene membrane(bool small) {
-    const StudyScene study = study_scene("dynamic-obstacle", small ? 12 : 0);
+    const StudyScene study = study_scene("dynamic-obstacle", small ? 12 : 100);
     PrecisionScene scene = scene_of(study.family->at(Eigen::Vector2d(0.6, 0.6)), study.t_end,
                                     doubled(small ? 25 : 50, 6), small ? 25 : 50);
     scene.tolerances = decades(-1, -6);
