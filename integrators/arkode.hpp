@@ -10,7 +10,8 @@ namespace tact {
 
 /// SUNDIALS' ARKStep on y = (u, v): every implicit stage is solved with the contact conditions on u, through a nonlinear
 /// solver of ours, and its slope deduced from the solution, contact forces included. Fixed steps of the grid's dt, or
-/// steps chosen to rtol and atol of u; v is not in the error test: it jumps at impacts.
+/// steps chosen to rtol and atol of u, one of which ends wherever load or gap jump; v is not in the error test: it jumps at
+/// impacts. The reported lambda is that of the last stage, whose sum over the steps is no impulse.
 ///
 /// Orders as the table's in smooth motion. With the constraint on the position, impacts may gain energy (a single mass on
 /// a stop: up to 2 times with SDIRK2, 4.5 with TR-BDF2; many small nodal masses average it, or see redistribute_mass).

@@ -12,8 +12,9 @@ namespace tact {
 /// impacts, where any tolerance would fail. Order 2 at most by default: higher orders gain energy in impacts (five to
 /// thirty-five times the initial one has been seen with order 5); allowed, with a warning in the report.
 ///
-/// As for Bdf2 the impact is resolved by the scheme, at the end of whatever step it falls in. Dense output is IDA's
-/// interpolant: of u to the method's order, and not admissible within rounding as accepted steps are.
+/// As for Bdf2 the impact is resolved by the scheme, at the end of whatever step it falls in. A step ends wherever load
+/// or gap jump. Dense output is IDA's interpolant: of u to the method's order, and not admissible within rounding as
+/// accepted steps are.
 class Ida final : public Integrator {
 public:
     struct Options {

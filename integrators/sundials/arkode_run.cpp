@@ -12,6 +12,7 @@
 #include "tact/integrators/sundials/check.hpp"
 #include "tact/integrators/sundials/linear_hook.hpp"
 #include "tact/integrators/sundials/stage_hook.hpp"
+#include "tact/integrators/sundials/stops.hpp"
 #include "tact/integrators/sundials/vector.hpp"
 
 namespace tact::sundials {
@@ -89,6 +90,10 @@ public:
         }
         next_.lambda = now_.lambda;
         double reached = now_.t;
+        if (adaptive_) {
+            stop_ = next_stop(problem_, now_.t, grid_.t(grid_.steps));
+            check(ARKStepSetStopTime(memory_, stop_), "ARKStepSetStopTime");
+        }
         const int flag = ARKStepEvolve(memory_, grid_.t(grid_.steps), y_view_.get(), &reached, ARK_ONE_STEP);
         count();
         if (flag < 0) return failed(flag, std::move(report));
@@ -147,7 +152,6 @@ private:
             check(ARKStepSetInitStep(arkode, options_.first_step > 0 ? options_.first_step : 1e-3 * length),
                   "ARKStepSetInitStep");
             if (options_.max_step > 0) check(ARKStepSetMaxStep(arkode, options_.max_step), "ARKStepSetMaxStep");
-            check(ARKStepSetStopTime(arkode, grid_.t(grid_.steps)), "ARKStepSetStopTime");
         } else {
             check(ARKStepSetFixedStep(arkode, grid_.dt), "ARKStepSetFixedStep");
         }
@@ -173,7 +177,6 @@ private:
         y_ = now_.y;
         slope_known_ = false;
         check(ARKStepReset(memory_, now_.t, y_view_.get()), "ARKStepReset");
-        if (adaptive_) check(ARKStepSetStopTime(memory_, grid_.t(grid_.steps)), "ARKStepSetStopTime");
     }
 
     /// next_'s velocity without the impulse of the stages' contact forces, projected.
@@ -202,7 +205,8 @@ private:
             attempt_ = attempts;
         }
         next_.y = map(data.predicted);
-        return {data.t, a, history_.head(now_.n), history_.tail(history_.size() - now_.n)};
+        const double t = adaptive_ ? before_stop(data.t, stop_) : data.t;
+        return {t, a, history_.head(now_.n), history_.tail(history_.size() - now_.n)};
     }
     void correct(N_Vector correction) override {
         map(correction) = next_.y - map(predicted_);
@@ -322,6 +326,7 @@ private:
     StageSolver stages_;
     State now_, next_;
     double before_t_;
+    double stop_ = infinity;  // of the step under way
     Vector history_, slope_, y_;
     mutable Vector scratch_;
     Vector force_, solution_, none_;

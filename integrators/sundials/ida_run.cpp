@@ -11,6 +11,7 @@
 #include "tact/integrators/sundials/check.hpp"
 #include "tact/integrators/sundials/linear_hook.hpp"
 #include "tact/integrators/sundials/stage_hook.hpp"
+#include "tact/integrators/sundials/stops.hpp"
 #include "tact/integrators/sundials/vector.hpp"
 
 namespace tact::sundials {
@@ -105,6 +106,10 @@ public:
             report.outcome = Outcome::step_limit;
             return report;
         }
+        if (!fixed_) {
+            stop_ = next_stop(problem_, now_.t, end);
+            check(IDASetStopTime(ida_.get(), stop_), "IDASetStopTime");
+        }
         const int flag = IDASolve(ida_.get(), end, &reached, y_view_.get(), yp_view_.get(), IDA_ONE_STEP);
         count();
         if (flag < 0) return failed(flag, std::move(report));
@@ -165,7 +170,6 @@ private:
             check(IDASetMinStep(ida, grid_.dt), "IDASetMinStep");
             check(IDASetMaxStep(ida, grid_.dt), "IDASetMaxStep");
         } else {
-            check(IDASetStopTime(ida, grid_.t(grid_.steps)), "IDASetStopTime");
             if (options_.first_step > 0) check(IDASetInitStep(ida, options_.first_step), "IDASetInitStep");
             if (options_.max_step > 0) check(IDASetMaxStep(ida, options_.max_step), "IDASetMaxStep");
         }
@@ -196,12 +200,11 @@ private:
         past_tries_ = tries_;
         check(IDAReInit(ida_.get(), now_.t, y_view_.get(), yp_view_.get()), "IDAReInit");
         check(IDASetInitStep(ida_.get(), h), "IDASetInitStep");
-        check(IDASetStopTime(ida_.get(), grid_.t(grid_.steps)), "IDASetStopTime");
     }
 
     Stage stage() override {
         const NonlinearData data = nonlinear_data(ida_.get());
-        stage_t_ = fixed_ ? grid_.t(now_.step + 1) : data.t;
+        stage_t_ = fixed_ ? grid_.t(now_.step + 1) : before_stop(data.t, stop_);
         clock_t_ = data.t - grid_.t0;
         const auto predicted = map(data.y_predicted).head(size());
         history_ = map(data.yp_predicted).head(size()) - data.cj * predicted;
@@ -339,6 +342,7 @@ private:
     std::optional<VelocityProjection> velocity_;  // with an impact law
     bool anew_ = false;                           // the last step ended with a jump of v, and the history began anew
     double stage_t_ = 0, stage_a_ = 0, clock_t_ = 0;
+    double stop_ = infinity;  // of the step under way
     N_Vector predicted_ = nullptr;
     std::exception_ptr caught_;
     RunCounters counters_, past_;
