@@ -23,6 +23,7 @@ public:
           history_(now_.y.size()),
           impulse_(problem.size()),
           momentum_(problem.size()),
+          free_(problem.size()),
           closing_(Vector::Zero(problem.constraints())) {}
 
     const State& state() const override { return now_; }
