@@ -106,6 +106,15 @@ TEST(KktResiduals, ZeroOverZeroIsZeroAndNaNIsInfinite) {
     EXPECT_EQ(kkt_residuals(I, I, zero, zero, zero, nan).largest(), infinity);
 }
 
+TEST(KktResiduals, WhatHasDecayedIntoUnderflowCountsAsZero) {
+    // A motion that halves each step gets there after a thousand: a digit that is lost is then the whole force.
+    const Matrix I = Matrix::identity(1);
+    const Vector tiny = Vector::Constant(1, 5e-309), zero = Vector::Zero(1);
+    EXPECT_LT(kkt_residuals(I, I, tiny, zero, zero, zero).largest(), 1e-12);
+    EXPECT_LT(kkt_residuals(I, I, -tiny, zero, -tiny, zero).largest(), 1e-12);
+    EXPECT_EQ(kkt_residuals(I, I, 1e20 * tiny, zero, zero, zero).stationarity, 1) << "small is not zero";
+}
+
 TEST(KktResiduals, ARowAtMinusInfinityIsSkippedButMayCarryNoForce) {
     const Matrix I = Matrix::identity(2);
     const Vector c = Eigen::Vector2d(-infinity, 0), u = Eigen::Vector2d(-5, 0);
