@@ -9,7 +9,7 @@
 namespace tact {
 
 /// Scaled KKT residuals of  min 1/2 u'Au - u'b,  Bu >= c  at (u, lambda). Max norms, absolute values entrywise,
-/// 0/0 = 0, rows with c = -infinity skipped:
+/// 0/0 = 0 (denominators are at least 1e-292: what has decayed into underflow is zero), rows with c = -infinity skipped:
 ///   stationarity     |Au - b - B'lambda| / (|A||u| + |b| + |B'||lambda|)
 ///   penetration      max(c - Bu, 0) / max(|B||u| + |c|), rows with c <= -1e19 ("none") left out of the scale
 ///   negativity       max(-lambda, 0) / max|lambda|

@@ -12,8 +12,8 @@ namespace tact::laws {
 
 using Wide = long double;
 
-/// a / b with 0/0 = 0.
-inline Wide ratio(Wide a, Wide b) { return a == 0 ? 0 : a / b; }
+/// a / b with 0/0 = 0; what has decayed into underflow of double counts as zero.
+inline Wide ratio(Wide a, Wide b) { return a == 0 ? 0 : a / std::max(b, Wide(1e-292L)); }
 
 /// sum_j |M_ij| |x_j| and sum_j M_ij x_j for one row (or column) of M.
 struct Sum {
