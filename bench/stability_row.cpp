@@ -39,7 +39,7 @@ public:
         if (before_.size() > 0) {
             work_ += 0.5 * (load_ + problem_.f.at(state.t, Side::left)).dot(u - before_);
             most_work_ = std::max(most_work_, std::abs(work_));
-            most_gain_ = std::max(most_gain_, mechanical - start_ - work_);
+            most_gain_ = std::max(most_gain_, mechanical - start_ - work_ - 64 * rounding_);
         } else {
             start_ = mechanical;
         }
@@ -54,7 +54,7 @@ public:
     bool finite() const { return finite_; }
     double energy_scale(double least) const { return start_ + most_work_ + least; }
     /// Beyond what u'Ku/2 is uncertain by: the strain of a far or stiff body is a small difference of large numbers.
-    double most_gain() const { return std::max(0.0, most_gain_ - 64 * rounding_); }
+    double most_gain() const { return most_gain_; }
     double penetration() const { return gap_size_ > 0 ? penetration_ / gap_size_ : 0; }
 
 private:
