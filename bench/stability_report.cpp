@@ -90,7 +90,9 @@ std::string gains(const Json& json) {
             double most = 0;
             for (const Json& row : json["rows"])
                 if (row["integrator"] == name && row["group"] == group && row["judgement"] == "gains energy")
-                    most = std::max(most, row["energy_ratio_max"].get<double>());
+                    // No number is one beyond any.
+                    most = std::max(
+                        most, row["energy_ratio_max"].is_null() ? HUGE_VAL : row["energy_ratio_max"].get<double>());
             any = any || most > 0;
             line.push_back(most > 0 ? digits(most, 4) : "-");
         }
