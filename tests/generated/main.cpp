@@ -1,5 +1,5 @@
 // Generated programmes in any number: tact-generated --count N --seed S [--show K]. Programme k is drawn from seed S + k
-// alone. Counts the verdicts of each strategy; exit code 1 if one is wrong or missed. --show: print programme K.
+// alone. Counts the verdicts of each strategy, and why the chooser had no answer; exit code 1 if one is wrong or missed. --show: print programme K.
 #include <cstdlib>
 #include <cstring>
 #include <iomanip>
@@ -20,9 +20,18 @@ void print(const Generated& g) {
     if (g.u) std::cout << "planted u " << g.u->transpose().format(exact) << "\n";
 }
 
+/// What of a programme may excuse the chooser from an answer.
+std::string kind_of(const Generated& g) {
+    if (!std::isfinite(g.condition)) return "A singular to rounding";
+    if (!g.symmetric) return g.condition < 1e8 ? "A unsymmetric" : "A unsymmetric, condition 1e8 to 1e12";
+    if (g.condition >= 1e10) return "condition 1e10 to 1e12";
+    return g.truth == Truth::unknown ? "rows that exclude each other, in other units" : "condition below 1e10";
+}
+
 int run(std::uint64_t count, std::uint64_t seed, bool show) {
     const auto all = strategies();
     std::map<std::string, std::map<std::string, long>> totals;
+    std::map<std::string, long> without_answer;
     int code = 0, reported = 0;
     for (std::uint64_t k = 0; k < count; ++k) {
         const Generated g = Generator(seed + k).draw();
@@ -31,6 +40,11 @@ int run(std::uint64_t count, std::uint64_t seed, bool show) {
             const Judged j = judge(g, strategy);
             const char* verdict = verdict_names[static_cast<std::size_t>(j.verdict)];
             ++totals[strategy.name][verdict];
+            if (strategy.name == std::string("AutomaticContact") && j.verdict != Verdict::right &&
+                j.verdict != Verdict::infeasible)
+                ++without_answer[kind_of(g) + ": " +
+                                 (j.verdict == Verdict::refused ? "refused"
+                                                                : std::string(to_string(j.solved.report.outcome)))];
             if (show)
                 std::cout << strategy.name << ": " << verdict << " " << j.why << ", KKT "
                           << j.solved.report.kkt.largest() << ", u " << j.solved.u.transpose() << ", lambda "
@@ -51,6 +65,9 @@ int run(std::uint64_t count, std::uint64_t seed, bool show) {
         }
         std::cout << "\n";
     }
+    std::cout << "AutomaticContact without an answer:\n";
+    for (const auto& [kind, times] : without_answer)
+        std::cout << std::setw(8) << std::right << times << "  " << kind << "\n";
     return code;
 }
 

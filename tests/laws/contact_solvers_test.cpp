@@ -105,6 +105,57 @@ TEST_P(EveryStrategy, ARowAtMinusInfinityIsSwitchedOff) {
     });
 }
 
+TEST_P(EveryStrategy, TheOrderOfRowsAndUnknownsChangesNothing) {
+    on_programs(30, [&](std::mt19937& random, const QuadraticProgram& qp) {
+        const Index n = qp.A.rows(), m = qp.B.rows();
+        Eigen::PermutationMatrix<Eigen::Dynamic> rows(m), unknowns(n);
+        rows.setIdentity();
+        unknowns.setIdentity();
+        std::shuffle(rows.indices().begin(), rows.indices().end(), random);
+        std::shuffle(unknowns.indices().begin(), unknowns.indices().end(), random);
+        const QuadraticProgram other{unknowns * qp.A * unknowns.transpose(), rows * qp.B * unknowns.transpose(),
+                                     unknowns * qp.b, rows * qp.c};
+        const Solved a = solve(*GetParam().solver, qp, Vector::Zero(m));
+        const Solved b = solve(*GetParam().solver, other, Vector::Zero(m));
+        if (may_give_up(a) || may_give_up(b)) return;
+        ASSERT_EQ(b.report.outcome, Outcome::converged);
+        ASSERT_LE((unknowns * a.u - b.u).norm(), 1e-10 * (1 + a.u.norm()));
+        ASSERT_LE((rows * a.lambda - b.lambda).norm(), 1e-8 * (1 + a.lambda.norm()));
+    });
+}
+
+TEST_P(EveryStrategy, ARowTwiceIsRefusedGivenUpOrChangesNothing) {
+    int solved = 0, programs = 0;
+    on_programs(30, [&](std::mt19937&, const QuadraticProgram& qp) {
+        const Index m = qp.c.size();
+        if (m == 0) return;
+        ++programs;
+        QuadraticProgram twice = qp;
+        twice.B.conservativeResize(m + 1, qp.B.cols());
+        twice.c.conservativeResize(m + 1);
+        twice.B.row(m) = 3 * qp.B.row(0);
+        twice.c[m] = 3 * qp.c[0];
+        Solved b;
+        try {
+            b = solve(*GetParam().solver, twice, Vector::Zero(m + 1));
+        } catch (const InputError&) {
+            return;  // rows that overlap are not its kind
+        }
+        if (b.report.outcome != Outcome::converged) {
+            ASSERT_TRUE(!GetParam().always_ends) << to_string(b.report.outcome);
+            ASSERT_EQ(b.u, Vector::Zero(b.u.size()));
+            return;
+        }
+        ++solved;
+        const auto exact = by_enumeration(qp);
+        ASSERT_LE((exact->u - b.u).norm(), 1e-9 * (1 + b.u.norm()));
+        ASSERT_NEAR(exact->lambda[0], b.lambda[0] + 3 * b.lambda[m], 1e-8 * (1 + exact->lambda.norm()));
+    });
+    if (GetParam().always_ends) {
+        EXPECT_EQ(solved, programs);
+    }
+}
+
 TEST_P(EveryStrategy, ManySolvesWithOnePreparationAgreeWithFreshOnes) {
     std::mt19937 random(7);
     const auto qp = random_program(random, 12, 5, GetParam().takes.front());
@@ -119,6 +170,26 @@ TEST_P(EveryStrategy, ManySolvesWithOnePreparationAgreeWithFreshOnes) {
         ASSERT_EQ(report.outcome, Outcome::converged);
         const auto exact = by_enumeration(next);
         ASSERT_LE((u - exact->u).norm(), 1e-9 * (1 + exact->u.norm()));
+    }
+}
+
+TEST_P(EveryStrategy, NaNInABoundEndsAsAnOutcomeAndLeavesThePoint) {
+    std::mt19937 random(3);
+    auto qp = random_program(random, 7, 3, GetParam().takes.front());
+    qp.c[1] = std::numeric_limits<double>::quiet_NaN();
+    const Solved s = solve(*GetParam().solver, qp, Vector::Zero(3));
+    EXPECT_NE(s.report.outcome, Outcome::converged);
+    EXPECT_EQ(s.u, Vector::Zero(7));
+    EXPECT_EQ(s.lambda, Vector::Zero(3));
+}
+
+TEST_P(EveryStrategy, NaNInAMatrixIsRefused) {
+    std::mt19937 random(3);
+    const auto qp = random_program(random, 7, 3, GetParam().takes.front());
+    for (const bool in_A : {true, false}) {
+        QuadraticProgram bad = qp;
+        (in_A ? bad.A(2, 2) : bad.B(1, 1)) = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW((void)solve(*GetParam().solver, bad, Vector::Zero(3)), InputError);
     }
 }
 
@@ -137,6 +208,37 @@ TEST_P(EveryStrategy, NaNEndsAsAnOutcomeAndLeavesThePoint) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryStrategy, testing::ValuesIn(strategies()),
                          [](const auto& instance) { return std::string(instance.param.name); });
+
+/// u of the one set of rows that fits, among all 2^m, each by a Cholesky factor of its block of B A^-1 B'.
+Vector by_condensed_enumeration(const QuadraticProgram& qp) {
+    const Eigen::LLT<DenseMatrix> factor(qp.A);
+    const DenseMatrix W = factor.solve(qp.B.transpose()), S = qp.B * W;
+    const Vector free = factor.solve(qp.b), g = qp.c - qp.B * free;
+    std::vector<Index> rows;
+    for (unsigned set = 0; set < 1U << g.size(); ++set) {
+        rows.clear();
+        for (Index i = 0; i < g.size(); ++i)
+            if (set >> i & 1U) rows.push_back(i);
+        const Vector lambda = DenseMatrix(S(rows, rows)).llt().solve(Vector(g(rows)));
+        if (!rows.empty() && lambda.minCoeff() < 0) continue;
+        const Vector gap = S(Eigen::all, rows) * lambda - g;
+        if (gap.minCoeff() >= -1e-10) return free + W(Eigen::all, rows) * lambda;
+    }
+    return {};
+}
+
+TEST_P(EveryStrategy, AgreesWithTheCondensedEnumerationOfTwelveRows) {
+    std::mt19937 random(12);
+    for (int k = 0; k < 30; ++k) {
+        const auto qp = random_program(random, 25, 9 + k % 4, GetParam().takes.back());
+        const Solved s = solve(*GetParam().solver, qp, random_vector(random, qp.c.size()).cwiseMax(0));
+        if (may_give_up(s)) continue;
+        ASSERT_EQ(s.report.outcome, Outcome::converged);
+        const Vector exact = by_condensed_enumeration(qp);
+        ASSERT_EQ(exact.size(), 25);
+        ASSERT_LE((s.u - exact).norm(), 1e-9 * (1 + exact.norm()));
+    }
+}
 
 TEST(ContactSolvers, ExcludingConstraintsAreInfeasible) {
     // u >= 1 and -u >= 0
