@@ -16,24 +16,70 @@ DenseMatrix row_gram(const DenseMatrix& F) {
     return G;
 }
 
-/// Minimises |T - F'G| over F >= 0, one row of F after the other, `sweeps` times, given P = G T' and S = G G'. Columns
-/// of F do not meet, so each goes through all its updates in turn, along with its gradient S f - p; an entry that stays
-/// zero costs nothing, and most do.
-void update_factor(DenseMatrix& F, const DenseMatrix& P, const DenseMatrix& S, int sweeps) {
-    const Index rank = F.rows();
-    DenseMatrix gradient = S * F - P;
-    for (Index i = 0; i < F.cols(); ++i) {
-        double* f = &F(0, i);
-        auto g = gradient.col(i);
-        for (int sweep = 0; sweep < sweeps; ++sweep)
-            for (Index j = 0; j < rank; ++j) {
-                if (!(S(j, j) > 0)) continue;  // the other factor's vector is zero: nothing to fit
-                const double step = std::max(-g[j] / S(j, j), -f[j]);
-                if (step == 0) continue;
-                f[j] = std::max(f[j] + step, 0.0);
-                g += step * S.col(j);
-            }
+/// Numbers in (0, 1).
+NonNegativePair random_start(const NonNegativeBlock& X, Index rank, std::uint64_t seed) {
+    std::uint64_t state = seed;
+    const auto fill = [&](Index columns) {
+        DenseMatrix F(rank, columns);
+        for (double& value : F.reshaped()) {
+            // splitmix64: any seed will do, zero included.
+            std::uint64_t z = state += 0x9e3779b97f4a7c15;
+            z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+            z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+            value = (static_cast<double>((z ^ (z >> 31)) >> 12) + 0.5) * 0x1p-52;
+        }
+        return F;
+    };
+    DenseMatrix W = fill(X.rows());
+    return {std::move(W), fill(X.cols())};
+}
+
+void fill_zeros(DenseMatrix& F) {
+    const double small = F.mean() / 100;
+    F = (F.array() > 0).select(F, small);
+}
+
+NonNegativePair start_of(const NonNegativeBlock& X, Index rank, const NnmfOptions& options, int attempt) {
+    if (options.random) return random_start(X, rank, options.random->seed + static_cast<std::uint64_t>(attempt));
+    NonNegativePair start = nndsvd(X, rank);
+    if (options.updates == NnmfUpdates::multiplicative) {
+        fill_zeros(start.W_transposed);
+        fill_zeros(start.H_transposed);
     }
+    return start;
+}
+
+/// Where a factorisation ended, on the non-zero rows and columns.
+struct Factorised {
+    NonNegativePair factors;
+    std::vector<double> residuals;
+    Outcome outcome = Outcome::iteration_limit;
+};
+
+Factorised factorize(const NonNegativeBlock& X, NonNegativePair start, const NnmfOptions& options) {
+    Factorised result{std::move(start), {}, Outcome::iteration_limit};
+    DenseMatrix &W = result.factors.W_transposed, &H = result.factors.H_transposed;
+    DenseMatrix W_gram = row_gram(W);
+    for (int sweep = 1; sweep <= options.max_sweeps; ++sweep) {
+        update_factor(options.updates, H, X.transposed_times(W), W_gram, options.inner_sweeps);
+        const DenseMatrix H_gram = row_gram(H), X_H = X.times(H);
+        update_factor(options.updates, W, X_H, H_gram, options.inner_sweeps);
+        W_gram = row_gram(W);
+        // |X - WH'|^2 = |X|^2 - 2 <W, XH> + <W'W, H'H>
+        const double square = X.norm() * X.norm() - 2 * W.cwiseProduct(X_H).sum() + W_gram.cwiseProduct(H_gram).sum();
+        const double residual = std::sqrt(std::max(square, 0.0)) / X.norm();
+        const double previous = result.residuals.empty() ? infinity : result.residuals.back();
+        result.residuals.push_back(residual);
+        if (options.observer && !options.observer(sweep, residual)) {
+            result.outcome = Outcome::stopped;
+            break;
+        }
+        if (std::isfinite(previous) && previous - residual <= options.tolerance * previous) {
+            result.outcome = Outcome::converged;
+            break;
+        }
+    }
+    return result;
 }
 
 /// Puts the factors in their places, vectors of U_lambda at unit length, those that are zero left out.
@@ -62,33 +108,19 @@ Nnmf nnmf(const SparseMatrix& snapshots, Index rank, const NnmfOptions& options)
     if (rank < 1 || rank > X.cols())
         throw InputError("nnmf: rank is " + std::to_string(rank) +
                          ", expected 1 to the number of non-zero snapshots, " + std::to_string(X.cols()));
-    NonNegativePair factors = nndsvd(X, rank);
-    DenseMatrix &W = factors.W_transposed, &H = factors.H_transposed;
-    std::vector<double> residuals;
-    Outcome outcome = Outcome::iteration_limit;
-    DenseMatrix W_gram = row_gram(W);
-    for (int sweep = 1; sweep <= options.max_sweeps; ++sweep) {
-        update_factor(H, X.transposed_times(W), W_gram, options.inner_sweeps);
-        const DenseMatrix H_gram = row_gram(H), X_H = X.times(H);
-        update_factor(W, X_H, H_gram, options.inner_sweeps);
-        W_gram = row_gram(W);
-        // |X - WH'|^2 = |X|^2 - 2 <W, XH> + <W'W, H'H>
-        const double square = X.norm() * X.norm() - 2 * W.cwiseProduct(X_H).sum() + W_gram.cwiseProduct(H_gram).sum();
-        const double residual = std::sqrt(std::max(square, 0.0)) / X.norm();
-        const double previous = residuals.empty() ? infinity : residuals.back();
-        residuals.push_back(residual);
-        if (options.observer && !options.observer(sweep, residual)) {
-            outcome = Outcome::stopped;
-            break;
-        }
-        if (std::isfinite(previous) && previous - residual <= options.tolerance * previous) {
-            outcome = Outcome::converged;
-            break;
-        }
+    const int attempts = options.random ? options.random->count : 1;
+    if (attempts < 1) throw InputError("nnmf: random.count is " + std::to_string(attempts) + ", expected at least 1");
+    Factorised best;
+    for (int attempt = 0; attempt < attempts && best.outcome != Outcome::stopped; ++attempt) {
+        Factorised reached = factorize(X, start_of(X, rank, options, attempt), options);
+        const bool lower = best.residuals.empty() ||
+                           (!reached.residuals.empty() && reached.residuals.back() < best.residuals.back());
+        if (reached.outcome == Outcome::stopped) best.outcome = Outcome::stopped;
+        if (lower) best = std::move(reached);
     }
-    Nnmf result = expand(X, factors, snapshots.rows(), snapshots.cols());
-    result.residuals = std::move(residuals);
-    result.outcome = outcome;
+    Nnmf result = expand(X, best.factors, snapshots.rows(), snapshots.cols());
+    result.residuals = std::move(best.residuals);
+    result.outcome = best.outcome;
     return result;
 }
 

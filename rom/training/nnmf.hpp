@@ -1,15 +1,25 @@
 // Non-negative matrix factorisation: the dual basis.
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
-#include "tact/lib/types.hpp"
+#include "tact/rom/training/nnmf_updates.hpp"
 
 namespace tact {
 
+/// Starts of numbers in (0, 1) from seed, seed + 1, ...: the one that ends lowest is taken. The same on every machine.
+struct RandomStarts {
+    std::uint64_t seed = 1;
+    int count = 1;
+};
+
 struct NnmfOptions {
+    NnmfUpdates updates = NnmfUpdates::hierarchical;
+    std::optional<RandomStarts> random = std::nullopt;  ///< absent: NNDSVD (Boutsidis, Gallopoulos 2008)
     int max_sweeps = 200;
     double tolerance = 1e-3;  ///< stop when a sweep lowers the residual by less than this fraction of itself
     int inner_sweeps = 2;     ///< updates of a factor per product with X, which is what a sweep costs
@@ -25,10 +35,11 @@ struct Nnmf {
     Outcome outcome = Outcome::converged;  ///< or iteration_limit, or stopped: the factors are those reached
 };
 
-/// Hierarchical alternating least squares (Cichocki, Phan 2009) from an NNDSVD start (Boutsidis, Gallopoulos 2008), on
-/// the rows and columns of X that are not zero. Deterministic. Columns that end as zero are dropped, so r <= rank
-/// (r < rank where X has a lower rank). The residual is evaluated by its Gram form and is noise below 1e-8.
-/// InputError if X has a negative or NaN entry (named), or rank exceeds its number of non-zero columns.
+/// Alternating updates of the two factors on the rows and columns of X that are not zero. Deterministic. Columns that end
+/// as zero are dropped, so r <= rank (r < rank where X has a lower rank). The residual is evaluated by its Gram form and
+/// is noise below 1e-8. Multiplicative updates cannot leave zero: their NNDSVD start has its zeros filled with a
+/// hundredth of its mean. InputError if X has a negative or NaN entry (named), rank exceeds its number of non-zero
+/// columns, or there are no starts.
 Nnmf nnmf(const SparseMatrix& X, Index rank, const NnmfOptions& options = {});
 Nnmf nnmf(const DenseMatrix& X, Index rank, const NnmfOptions& options = {});
 
