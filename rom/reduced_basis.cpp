@@ -59,18 +59,19 @@ void validate(const ReducedBasis& basis, const ContactProblem& problem) {
         for (Index j = 0; j < U.cols(); ++j)
             for (Index i = 0; i < U.rows(); ++i)
                 if (!std::isfinite(U(i, j))) reject_entry("U", U, i, j, "a finite entry");
+    const bool any_sign = basis.signs == DualSigns::any;
     for (Index j = 0; j < U_lambda.cols(); ++j) {
         const auto column = U_lambda.col(j);
-        if (column.allFinite() && !(column.array() < 0).any()) continue;
+        if (column.allFinite() && (any_sign || !(column.array() < 0).any())) continue;
         for (Index i = 0; i < U_lambda.rows(); ++i)
-            if (!std::isfinite(column[i]) || column[i] < 0)
-                reject_entry("U_lambda", U_lambda, i, j, "a finite entry >= 0");
+            if (!std::isfinite(column[i]) || (!any_sign && column[i] < 0))
+                reject_entry("U_lambda", U_lambda, i, j, any_sign ? "a finite entry" : "a finite entry >= 0");
     }
 }
 
 ReducedBasis modal_basis(const ContactProblem& problem, const ReducedBasis& basis) {
     validate(basis, problem);
-    ReducedBasis modal{orthonormal_columns(basis.U), basis.U_lambda};
+    ReducedBasis modal{orthonormal_columns(basis.U), basis.U_lambda, basis.signs};
     if (modal.U.cols() == 0) reject("U has only zero columns, expected a non-zero one");
     const Matrix* mass = mass_like(problem);
     if (!problem.K.is_symmetric() || (mass && !mass->is_symmetric())) return modal;

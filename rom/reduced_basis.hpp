@@ -5,17 +5,21 @@
 
 namespace tact {
 
+/// What a dual basis may hold: `any` is for experiments such as a dual basis by singular vectors, where lambda >= 0 is lost.
+enum class DualSigns { non_negative, any };
+
 /// u ~ U q,  lambda ~ U_lambda s with s >= 0  (Balajewicz, Amsallem, Farhat, eq. 6).
 struct ReducedBasis {
     DenseMatrix U;         ///< n x p, the primal basis
     DenseMatrix U_lambda;  ///< m x p_lambda, the dual basis, >= 0 entrywise; no columns: a scene that never touches
+    DualSigns signs = DualSigns::non_negative;
 
     Index primal_size() const { return U.cols(); }
     Index dual_size() const { return U_lambda.cols(); }
 };
 
-/// InputError unless both bases fit the problem, U has a column, all entries are finite and no entry of U_lambda is
-/// negative (its row, column and value are named).
+/// InputError unless both bases fit the problem, U has a column, all entries are finite and, unless `signs` says any, no
+/// entry of U_lambda is negative (its row, column and value are named).
 void validate(const ReducedBasis& basis, const ContactProblem& problem);
 
 /// The same span in coordinates in which a reduced step costs no factorisation: U'MU = I and U'KU diagonal, ascending,

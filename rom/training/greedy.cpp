@@ -88,8 +88,15 @@ std::vector<long> checked_indicator_steps(const TrainingMethod& method, const Tr
 }
 
 PodAccumulatorOptions pod_options(const TrainingOptions& options) {
+    if (!options.dual_basis) throw InputError("TrainingOptions: dual_basis is empty, expected a recipe");
     if (!options.sizes)
         throw InputError("TrainingOptions: sizes is empty, expected a function of the number of samples");
+    if (!(options.pod_tolerance >= 0 && options.pod_tolerance < 1))
+        throw InputError("TrainingOptions: pod_tolerance is " + std::to_string(options.pod_tolerance) +
+                         ", expected 0 <= pod_tolerance < 1");
+    if (!(options.supremizers.share >= 0 && options.supremizers.share < 1))
+        throw InputError("TrainingOptions: supremizers.share is " + std::to_string(options.supremizers.share) +
+                         ", expected 0 <= share < 1");
     PodAccumulatorOptions pod = options.pod;
     pod.max_vectors = std::max(pod.max_vectors, 2 * options.sizes(options.max_iterations).p);
     return pod;
@@ -103,7 +110,8 @@ Training::Training(const ContactFamily& family, const TrainingMethod& method, co
       options_(options),
       candidates_(checked_candidates(family, options)),
       sampled_(candidates_.size(), false),
-      compression_(options.compression.value_or(method.integrator ? Compression::pod_and_nnmf : Compression::none)),
+      compression_(
+          options.compression.value_or(method.integrator ? Compression::pod_and_dual_basis : Compression::none)),
       full_workspace_(contact.full),
       dual_(family.at(candidates_.empty() ? *options.first : candidates_.front()).constraints()),
       recorder_(family.at(candidates_.empty() ? *options.first : candidates_.front()).size(),
@@ -190,23 +198,35 @@ bool Training::compressed_basis(ReducedBasis& basis) {
     if (sizes.p < 1 || sizes.p_lambda < 0)
         throw InputError("TrainingOptions: sizes gives p = " + std::to_string(sizes.p) +
                          " and p_lambda = " + std::to_string(sizes.p_lambda) + ", expected p >= 1 and p_lambda >= 0");
+    const ContactProblem problem = family_.at(current().gamma);
     {
         const Stopwatch watch(current().seconds_pod);
         basis.U = pod_.modes(sizes.p).modes;
+        const Index kept = std::min(basis.U.cols(), pod_.above(options_.pod_tolerance));
+        basis.U.conservativeResize(Eigen::NoChange, kept);
     }
     basis.U_lambda.resize(dual_.constraints(), 0);
-    const Index rank = std::min(sizes.p_lambda, dual_.size());
-    if (rank < 1) return true;
-    if (!tell("NNMF", 0)) return false;
-    const Stopwatch watch(current().seconds_nnmf);
-    NnmfOptions nnmf_options = options_.nnmf;
-    nnmf_options.observer = [&](int sweep, double residual) {
-        const bool proceed = tell("NNMF", static_cast<double>(sweep) / options_.nnmf.max_sweeps);
-        return (!options_.nnmf.observer || options_.nnmf.observer(sweep, residual)) && proceed;
-    };
-    Nnmf factors = nnmf(dual_.matrix(), rank, nnmf_options);
-    current().residuals = std::move(factors.residuals);
-    basis.U_lambda = std::move(factors.U_lambda);
+    if (sizes.p_lambda < 1 || dual_.size() < 1 || basis.U.cols() < 1) return true;
+    const Index enriched = std::lround(options_.supremizers.share * static_cast<double>(basis.U.cols()));
+    basis.U.conservativeResize(Eigen::NoChange, std::max<Index>(basis.U.cols() - enriched, 1));
+    {
+        const Stopwatch watch(current().seconds_projection);
+        basis = modal_basis(problem, basis);
+    }
+    if (!tell("dual basis", 0)) return false;
+    const Stopwatch watch(current().seconds_dual);
+    const SparseMatrix snapshots = dual_.matrix();
+    DualBasisResult dual = options_.dual_basis({snapshots, problem.B, basis.U, sizes.p_lambda,
+                                                [&](double fraction) { return tell("dual basis", fraction); }});
+    current().residuals = std::move(dual.residuals);
+    current().warning = std::move(dual.warning);
+    basis.U_lambda = std::move(dual.U_lambda);
+    basis.signs = dual.signs;
+    if (enriched > 0) {
+        const DenseMatrix answers = supremizers(problem, basis.U_lambda, enriched, options_.supremizers);
+        basis.U.conservativeResize(Eigen::NoChange, basis.U.cols() + answers.cols());
+        basis.U.rightCols(answers.cols()) = answers;
+    }
     return result_.outcome != Outcome::stopped;
 }
 

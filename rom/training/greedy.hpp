@@ -7,10 +7,11 @@
 
 #include "tact/lib/integrator.hpp"
 #include "tact/rom/reduce.hpp"
+#include "tact/rom/training/dual_basis.hpp"
 #include "tact/rom/training/indicator.hpp"
-#include "tact/rom/training/nnmf.hpp"
 #include "tact/rom/training/pod_accumulator.hpp"
 #include "tact/rom/training/snapshots.hpp"
+#include "tact/rom/training/supremizers.hpp"
 
 namespace tact {
 
@@ -35,13 +36,13 @@ BasisSizes paper_sizes(int samples);
 
 /// What becomes of the snapshots. `none`: U is their orthonormalised span and U_lambda their scaled multipliers, one
 /// column each (a snapshot without contact adds no dual one).
-enum class Compression { none, pod_and_nnmf };
+enum class Compression { none, pod_and_dual_basis };
 
 /// Where training is: `iteration` of at most `iterations`, and how far its stage has come, 0 to 1.
 struct TrainingProgress {
     int iteration;
     int iterations;
-    std::string_view stage;  ///< "full run", "POD", "NNMF", "candidates"
+    std::string_view stage;  ///< "full run", "POD", "dual basis", "candidates"
     double fraction;
 };
 
@@ -50,10 +51,10 @@ struct TrainingOptions {
     std::optional<Parameter> first;     ///< absent: the candidate nearest the centre of the box
     int max_iterations = 10;
     double epsilon = 0;  ///< stop when I(gamma_next) < epsilon I(gamma_2)
-    /// Absent: none in statics, else pod_and_nnmf.
+    /// Absent: none in statics, else pod_and_dual_basis.
     std::optional<Compression> compression;
     /// Basis sizes for so many samples; not read without compression. p must not exceed the number of snapshots
-    /// (InputError); p_lambda, which contact decides, is lowered to the number of those with contact.
+    /// (InputError); p_lambda, which contact decides, is lowered to what the dual basis can give.
     std::function<BasisSizes(int samples)> sizes = paper_sizes;
     SnapshotStrides strides;
     IndicatorWeights weights;
@@ -62,7 +63,10 @@ struct TrainingOptions {
     /// Stands in for the indicator, such as a true error from stored full runs.
     std::function<double(const Parameter&, const ReducedBasis&, const ReducedStates&)> oracle;
     PodAccumulatorOptions pod;  ///< max_vectors is raised to twice the largest p
-    NnmfOptions nnmf;           ///< its observer is called too
+    double pod_tolerance = 0;   ///< modes up to this fraction of the largest singular value are left out of U
+    /// The last modes of U make way for supremizers; not read without compression.
+    SupremizerOptions supremizers;
+    DualBasis dual_basis = nnmf_basis();
     /// Called often enough for a progress bar; Flow::stop ends training after the step or sweep under way.
     std::function<Flow(const TrainingProgress&)> observer;
 };
@@ -82,10 +86,11 @@ struct TrainingIteration {
     Parameter gamma;                 ///< sampled
     Index p = 0, p_lambda = 0;       ///< after modal_basis
     MarchReport march;               ///< the full run (statics: only its outcome, `last` and residuals)
-    std::vector<double> residuals;   ///< of the NNMF
+    std::vector<double> residuals;   ///< of the dual basis
+    std::string warning;             ///< of the dual basis, or empty
     std::vector<double> indicators;  ///< of each candidate; NaN where already sampled. Empty without a scan.
     double max_indicator = 0;        ///< I(gamma_next)
-    double seconds_full = 0, seconds_pod = 0, seconds_nnmf = 0, seconds_projection = 0, seconds_candidates = 0;
+    double seconds_full = 0, seconds_pod = 0, seconds_dual = 0, seconds_projection = 0, seconds_candidates = 0;
 };
 
 struct [[nodiscard]] TrainingResult {

@@ -68,18 +68,22 @@ Pod in_general_product(const DenseMatrix& X, const Matrix& W, const PodOptions& 
     const GramEigen eigen = gram_eigen(X.transpose() * W.times(X));
     const Index r = resolved(eigen.singular_values, options, pod_snapshots_resolution);
     DenseMatrix modes = X * (eigen.vectors.leftCols(r) * eigen.singular_values.head(r).cwiseInverse().asDiagonal());
-    // Cholesky QR twice: the modes are nearly orthonormal already.
-    for (int pass = 0; pass < 2 && r > 0; ++pass) {
-        const Eigen::LLT<DenseMatrix> llt(modes.transpose() * W.times(modes));
-        if (llt.info() != Eigen::Success)
-            throw InputError("pod: inner_product is not positive definite on the snapshots, expected it to be");
-        llt.matrixU().solveInPlace<Eigen::OnTheRight>(modes);
-    }
+    modes = orthonormal_in(W, std::move(modes));
     fix_signs(modes);
     return {std::move(modes), eigen.singular_values.head(r)};
 }
 
 }  // namespace
+
+DenseMatrix orthonormal_in(const Matrix& W, DenseMatrix X) {
+    for (int pass = 0; pass < 2 && X.cols() > 0; ++pass) {
+        const Eigen::LLT<DenseMatrix> llt(X.transpose() * W.times(X));
+        if (llt.info() != Eigen::Success)
+            throw InputError("pod: inner_product is not positive definite on the snapshots, expected it to be");
+        llt.matrixU().solveInPlace<Eigen::OnTheRight>(X);
+    }
+    return X;
+}
 
 Pod pod(const DenseMatrix& X, const PodOptions& options) {
     if (options.rank < 0 || options.rank > X.cols())

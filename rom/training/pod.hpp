@@ -32,4 +32,8 @@ inline constexpr double pod_snapshots_resolution = 1e-7;
 /// InputError if rank exceeds the number of snapshots, or on a NaN.
 Pod pod(const DenseMatrix& X, const PodOptions& options = {});
 
+/// The columns of a nearly orthonormal X orthonormal in W, by Cholesky QR twice; their span and order stay. InputError if
+/// W is not positive definite on them.
+DenseMatrix orthonormal_in(const Matrix& W, DenseMatrix X);
+
 }  // namespace tact

@@ -13,6 +13,9 @@ void PodAccumulator::add(const Eigen::Ref<const DenseMatrix>& block) {
     if (snapshots_ > 0 && block.rows() != scaled_modes_.rows())
         throw InputError("PodAccumulator: block has " + std::to_string(block.rows()) + " rows, expected " +
                          std::to_string(scaled_modes_.rows()));
+    if (options_.inner_product && options_.inner_product->rows() != block.rows())
+        throw InputError("PodAccumulator: block has " + std::to_string(block.rows()) + " rows, expected " +
+                         std::to_string(options_.inner_product->rows()) + " as the inner product");
     if (!block.allFinite())
         throw InputError("PodAccumulator: block has a NaN or infinite entry, expected finite entries");
     snapshots_ += block.cols();
@@ -31,9 +34,18 @@ void PodAccumulator::merge(const Eigen::Ref<const DenseMatrix>& block) {
     // Gram matrix of [held, block]; the held vectors are orthogonal, so its first block is known.
     DenseMatrix G(held + added, held + added);
     G.topLeftCorner(held, held) = singular_values_.cwiseAbs2().asDiagonal();
-    G.bottomRightCorner(added, added) = gram(block);
+    DenseMatrix weighted;
+    if (options_.inner_product) {
+        weighted = options_.inner_product->times(block);
+        G.bottomRightCorner(added, added).noalias() = block.transpose() * weighted;
+    } else {
+        G.bottomRightCorner(added, added) = gram(block);
+    }
     if (held > 0) {
-        G.topRightCorner(held, added).noalias() = scaled_modes_.transpose() * block;
+        if (options_.inner_product)
+            G.topRightCorner(held, added).noalias() = scaled_modes_.transpose() * weighted;
+        else
+            G.topRightCorner(held, added).noalias() = scaled_modes_.transpose() * block;
         G.bottomLeftCorner(added, held) = G.topRightCorner(held, added).transpose();
     }
     const GramEigen eigen = gram_eigen(G);
@@ -61,9 +73,18 @@ Pod PodAccumulator::modes(Index p) const {
         throw InputError("PodAccumulator: p is " + std::to_string(p) +
                          ", expected at most the number of snapshots, " + std::to_string(snapshots_));
     const Index r = std::min(p, vectors());
-    Pod result{orthonormal_columns(scaled_modes_.leftCols(r), 0), singular_values_.head(r)};
+    Pod result{scaled_modes_.leftCols(r), singular_values_.head(r)};
+    if (options_.inner_product)
+        result.modes = orthonormal_in(*options_.inner_product,
+                                      result.modes * result.singular_values.cwiseInverse().asDiagonal());
+    else
+        result.modes = orthonormal_columns(std::move(result.modes), 0);
     fix_signs(result.modes);
     return result;
+}
+
+Index PodAccumulator::above(double fraction) const {
+    return singular_values_.size() == 0 ? 0 : (singular_values_.array() > fraction * singular_values_[0]).count();
 }
 
 }  // namespace tact

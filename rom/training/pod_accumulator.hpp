@@ -8,6 +8,8 @@ namespace tact {
 struct PodAccumulatorOptions {
     double tolerance = 1e-7;  ///< directions below this fraction of the largest singular value are forgotten
     Index max_vectors = 250;  ///< and so are those beyond this many: keep it well above the modes wanted
+    /// As PodOptions::inner_product; the norm in `forgotten` is then that one's too.
+    std::optional<Matrix> inner_product = std::nullopt;
 };
 
 /// POD of snapshots that arrive in blocks. Holds the leading left singular vectors of all snapshots so far, scaled by
@@ -15,9 +17,9 @@ struct PodAccumulatorOptions {
 /// What is forgotten at each merge bounds the difference to the POD of all snapshots (Himpe, Leibner, Rave, SIAM J. Sci. Comput. 40, 2018).
 class PodAccumulator {
 public:
-    explicit PodAccumulator(PodAccumulatorOptions options = {}) : options_(options) {}
+    explicit PodAccumulator(PodAccumulatorOptions options = {}) : options_(std::move(options)) {}
 
-    /// InputError if the number of rows differs from that of earlier blocks, or on a NaN.
+    /// InputError if the number of rows differs from that of earlier blocks or of the inner product, or on a NaN.
     void add(const Eigen::Ref<const DenseMatrix>& block);
 
     /// Of all blocks added, forgotten directions included.
@@ -30,6 +32,8 @@ public:
     /// The first p modes, orthonormal, signs fixed; fewer if fewer are held. InputError if p exceeds the number of
     /// snapshots.
     Pod modes(Index p) const;
+    /// How many singular values exceed this fraction of the largest.
+    Index above(double fraction) const;
 
 private:
     void merge(const Eigen::Ref<const DenseMatrix>& block);

@@ -117,5 +117,16 @@ TEST(Lift, MultipliesAndChecksSizes) {
     EXPECT_THROW(lift_multipliers(basis, Vector::Zero(2)), InputError);
 }
 
+TEST(ReducedBasis, OfAnySignIsTakenOnlyWhereItSaysSo) {
+    const ContactProblem problem = testing::chain(12);
+    ReducedBasis basis{testing::scattered(12, 3), -DenseMatrix::Ones(problem.constraints(), 1)};
+    EXPECT_THROW(validate(basis, problem), InputError);
+    basis.signs = DualSigns::any;
+    EXPECT_NO_THROW(validate(basis, problem));
+    EXPECT_EQ(modal_basis(problem, basis).signs, DualSigns::any);
+    basis.U_lambda(2, 0) = std::nan("");
+    EXPECT_THROW(validate(basis, problem), InputError);
+}
+
 }  // namespace
 }  // namespace tact

@@ -213,7 +213,7 @@ TEST(Train, ReportsProgressOfEveryStageAndStopsWhenToldTo) {
         return Flow::proceed;
     };
     ASSERT_EQ(train(moving, marching, dense(), options).outcome, Outcome::converged);
-    const std::vector<std::string> once{"full run", "POD", "NNMF", "candidates"};
+    const std::vector<std::string> once{"full run", "POD", "dual basis", "candidates"};
     ASSERT_EQ(stages.size(), 11u);
     for (std::size_t k = 0; k < stages.size(); ++k) EXPECT_EQ(stages[k], once[k % 4]);
 
@@ -275,6 +275,40 @@ TEST(Train, EndsHonestlyWhereARunDoesNotConverge) {
     EXPECT_EQ(result.failed_step, 0);
 }
 
+TEST(Train, TakesAnyDualBasisAndSupremizers) {
+    /// Eigen's dense factors, for sparse matrices too.
+    class AsDense final : public LinearSolver {
+        std::unique_ptr<const Factor> factorize(const Matrix& A) const override {
+            return DenseLinearSolver().factorize(Matrix(A.to_dense()));
+        }
+    };
+    for (const DualBasis& recipe :
+         {snapshot_cone(), cone_projected_greedy(), selected_rows(), touched_rows(), singular_vectors()}) {
+        TrainingOptions options = over_grid(moving, 1);
+        options.sizes = [](int) { return BasisSizes{20, 6}; };
+        options.dual_basis = recipe;
+        const TrainingResult plain = train(moving, marching, dense(), options);
+        ASSERT_EQ(plain.outcome, Outcome::converged);
+        EXPECT_EQ(plain.basis.primal_size(), 20);
+        EXPECT_GE(plain.basis.dual_size(), 6);
+        options.supremizers = {.share = 0.2, .linear = std::make_shared<AsDense>(), .a = 15};
+        const TrainingResult enriched = train(moving, marching, dense(), options);
+        ASSERT_EQ(enriched.outcome, Outcome::converged);
+        EXPECT_EQ(enriched.basis.primal_size(), 20);
+        EXPECT_NE(enriched.basis.U, plain.basis.U);
+    }
+}
+
+TEST(Train, LeavesOutModesBelowATolerance) {
+    TrainingOptions options = over_grid(moving, 1);
+    options.sizes = [](int) { return BasisSizes{20, 6}; };
+    const TrainingResult all = train(moving, marching, dense(), options);
+    options.pod_tolerance = 1e-2;
+    const TrainingResult few = train(moving, marching, dense(), options);
+    EXPECT_LT(few.basis.primal_size(), all.basis.primal_size());
+    EXPECT_GE(few.basis.primal_size(), 2);
+}
+
 TEST(Train, RefusesWhatDoesNotFit) {
     const auto refused = [](const TrainingOptions& options) {
         EXPECT_THROW((void)train(moving, marching, dense(), options), InputError);
@@ -303,6 +337,17 @@ TEST(Train, RefusesWhatDoesNotFit) {
     refused(bad);
     bad = good;
     bad.sizes = nullptr;
+    refused(bad);
+    bad = good;
+    bad.dual_basis = nullptr;
+    refused(bad);
+    bad = good;
+    bad.pod_tolerance = 1;
+    refused(bad);
+    bad = good;
+    bad.supremizers.share = 1;
+    refused(bad);
+    bad.supremizers.share = 0.5;  // and no linear solver
     refused(bad);
     bad = good;
     bad.sizes = [](int) { return BasisSizes{61, 2}; };  // 60 snapshots

@@ -145,5 +145,29 @@ TEST(PodAccumulator, RefusesBadBlocksAndTooManyModes) {
     EXPECT_THROW(accumulator.add(DenseMatrix::Constant(30, 1, std::nan(""))), InputError);
 }
 
+TEST(PodAccumulator, InAnInnerProductGivesThePodOfAllBlocksThere) {
+    const Index n = 80;
+    DenseMatrix X = testing::scattered(n, 24);
+    for (Index j = 0; j < X.cols(); ++j) X.col(j) *= std::pow(0.6, static_cast<double>(j));
+    DenseMatrix W = testing::scattered(n, n, 3);
+    W = (W * W.transpose() / n + DenseMatrix::Identity(n, n)).eval();
+    for (const Matrix& product : {Matrix(W), Matrix::diagonal(Vector::LinSpaced(n, 0.5, 3))}) {
+        PodOptions options;
+        options.inner_product = product;
+        PodAccumulatorOptions in_product;
+        in_product.inner_product = product;
+        PodAccumulator accumulator(in_product);
+        for (Index k = 0; k < 24; k += 6) accumulator.add(X.middleCols(k, 6));
+        const Pod whole = pod(X, options), merged = accumulator.modes(8);
+        EXPECT_LT((merged.singular_values - whole.singular_values.head(8)).norm(), 1e-9 * whole.singular_values[0]);
+        EXPECT_LT((merged.modes - whole.modes.leftCols(8)).norm(), 1e-5);
+        EXPECT_LT((merged.modes.transpose() * product.times(merged.modes) - DenseMatrix::Identity(8, 8)).norm(),
+                  1e-12);
+        EXPECT_EQ(accumulator.above(merged.singular_values[4] / merged.singular_values[0] * 0.99), 5);
+        EXPECT_THROW(accumulator.add(DenseMatrix::Ones(n + 1, 2)), InputError);
+    }
+    EXPECT_EQ(PodAccumulator().above(0.1), 0);
+}
+
 }  // namespace
 }  // namespace tact
