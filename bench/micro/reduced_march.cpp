@@ -6,8 +6,9 @@
 namespace tact::bench {
 namespace {
 
+/// The argument says whether gaps are screened.
 void march(benchmark::State& state, const Trained& model, const Parameter& gamma) {
-    ContactWorkspace workspace(std::make_shared<DenseContact>());
+    ContactWorkspace workspace(std::make_shared<DenseContact>(DenseContactOptions{.screening = state.range(0) != 0}));
     const ContactProblem problem = model.result.reduced->at(gamma);
     long steps = 0;
     for (auto _ : state) {
@@ -19,17 +20,21 @@ void march(benchmark::State& state, const Trained& model, const Parameter& gamma
         benchmark::Counter(static_cast<double>(steps), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-void plates(benchmark::State& state) {
-    static const Trained model = trained("two-plates", 40, 40, 1);
+template <Index p> void plates(benchmark::State& state) {
+    static const Trained model = trained("two-plates", 40, p, 1);
     march(state, model, {});
 }
-BENCHMARK(plates)->Name("reduced_march/plates/p=40")->Unit(benchmark::kMillisecond);
+BENCHMARK(plates<40>)->Name("reduced_march/plates/p=40/screening")->DenseRange(0, 1)->Unit(benchmark::kMillisecond);
+BENCHMARK(plates<150>)->Name("reduced_march/plates/p=150/screening")->DenseRange(0, 1)->Unit(benchmark::kMillisecond);
 
-void membrane(benchmark::State& state) {
-    static const Trained model = trained("dynamic-obstacle", 60, 100, 4);
+template <Index p> void membrane(benchmark::State& state) {
+    static const Trained model = trained("dynamic-obstacle", 60, p, 4);
     march(state, model, Eigen::Vector2d(0.41, 0.43));
 }
-BENCHMARK(membrane)->Name("reduced_march/membrane/p=100")->Unit(benchmark::kMillisecond);
+BENCHMARK(membrane<100>)
+    ->Name("reduced_march/membrane/p=100/screening")
+    ->DenseRange(0, 1)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace tact::bench

@@ -1,11 +1,13 @@
 #include "tact/contact/dense/dense_contact.hpp"
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/dense/goldfarb_idnani.hpp"
+#include "tact/contact/dense/screened_gaps.hpp"
 #include "tact/lib/linear_solver.hpp"
 
 namespace tact {
@@ -16,7 +18,7 @@ constexpr double gap_tolerance = 2e-14;
 
 class PreparedDense final : public PreparedContact {
 public:
-    PreparedDense(const Matrix& A, const Matrix& B)
+    PreparedDense(const Matrix& A, const Matrix& B, const DenseContactOptions& options)
         : accept_(A, B), u_(A.rows()), g_(B.rows()), w_(B.rows()), multiplier_(B.rows()), lambda_(B.rows()) {
         factor_ = DenseLinearSolver().factorize(A);
         if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
@@ -36,6 +38,15 @@ public:
         W_ = W_ * scale_.asDiagonal();
         S_ = B_ * W_;
         S_ = (0.5 * (S_ + S_.transpose())).eval();
+        if (options.compliance > 0) {
+            compliance_ = options.compliance * S_.diagonal().cwiseQuotient(scale_.cwiseAbs2());
+            S_.diagonal() *= 1 + options.compliance;
+            bounds_.clear();  // rows give way: none is met exactly
+        }
+        if (options.screening && inverse_.size() > 0 && ScreenedGaps::pays(B.rows(), B.cols())) {
+            screen_.emplace(B_);
+            certificate_of_open_rows_.emplace(A, Matrix(DenseMatrix(0, A.cols())));
+        }
     }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -51,8 +62,15 @@ public:
         double gap_size = 0, reach = 0;
         bool doubtful = false;  // rows were left violated by what may be rounding
         if (m > 0) {
-            g_.noalias() = B_ * u_;
             w_ = c.cwiseProduct(scale_);
+            if (screen_ && (point.lambda.array() == 0).all() && screen_->all_open(u_, w_)) {
+                // Open gaps and no multipliers leave stationarity to be certified.
+                certify(report, *certificate_of_open_rows_, b, Vector(), u_, Vector(), acceptable, 0,
+                        {point.u, point.lambda.head(0)});
+                if (report.outcome == Outcome::converged) return report;
+                report.outcome = Outcome::converged;
+            }
+            g_.noalias() = B_ * u_;
             const double largest = (w_ - g_).maxCoeff();  // violation, in energy units
             if (!(largest <= 0) || (point.lambda.array() > 0).any()) {
                 allowance_ = gap_tolerance * (g_.cwiseAbs() + w_.cwiseAbs());
@@ -88,11 +106,13 @@ public:
                 lambda_.setZero();
             }
         }
+        if (compliance_.size() > 0) w_ = c - compliance_.cwiseProduct(lambda_);
+        const ConstVectorRef bound = compliance_.size() > 0 ? ConstVectorRef(w_) : c;
         // NaN in b or c ends here, as does an A that is singular in all but name.
-        if (!doubtful) certify(report, accept_.residuals(), b, c, u_, lambda_, acceptable, gap_size, point);
+        if (!doubtful) certify(report, accept_.residuals(), b, bound, u_, lambda_, acceptable, gap_size, point);
         if (!doubtful && report.outcome == Outcome::converged) return report;
         report.outcome = Outcome::converged;
-        accept_.certify(report, b, c, u_, lambda_, acceptable, reach, point);
+        accept_.certify(report, b, bound, u_, lambda_, acceptable, reach, point);
         return report;
     }
 
@@ -104,8 +124,11 @@ private:
     };
     std::vector<Bound> bounds_;  // the rows of B with one entry
     Acceptance accept_;
+    std::optional<ScreenedGaps> screen_;
+    std::optional<KktCertificate> certificate_of_open_rows_;  // for points that screening has proven open
     std::unique_ptr<const Factor> factor_;
-    Vector inverse_;  // of A's diagonal, where it is diagonal
+    Vector compliance_;  // diagonal of E; empty without
+    Vector inverse_;     // of A's diagonal, where it is diagonal
     Vector scale_;
     DenseMatrix B_, W_, S_;
     GoldfarbIdnani dual_;
@@ -116,6 +139,9 @@ private:
 
 std::unique_ptr<PreparedContact> DenseContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("DenseContact", A, B);
+    if (!(options_.compliance >= 0) || options_.compliance == infinity)
+        throw InputError("DenseContact: compliance is " + std::to_string(options_.compliance) +
+                         ", expected a finite number >= 0");
     if (!A.is_symmetric()) throw InputError("DenseContact: A is " + A.shape() + " and not symmetric");
     if (const Vector* diagonal = A.diagonal_entries(); diagonal && !(diagonal->minCoeff() > 0))
         throw NumericalError("DenseContact: A has a diagonal entry <= 0, expected positive definite");
@@ -123,9 +149,9 @@ std::unique_ptr<PreparedContact> DenseContact::prepare(const Matrix& A, const Ma
         if (A.rows() > 2000)
             throw InputError("DenseContact: A is " + A.shape() +
                              ", expected dense, diagonal or at most 2000 unknowns");
-        return std::make_unique<PreparedDense>(Matrix(A.to_dense()), B);
+        return std::make_unique<PreparedDense>(Matrix(A.to_dense()), B, options_);
     }
-    return std::make_unique<PreparedDense>(A, B);
+    return std::make_unique<PreparedDense>(A, B, options_);
 }
 
 }  // namespace tact

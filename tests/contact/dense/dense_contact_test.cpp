@@ -1,0 +1,148 @@
+#include "tact/contact/dense/dense_contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tact/contact/dense/screened_gaps.hpp"
+
+namespace tact {
+namespace {
+
+/// Numbers in (-1, 1), the same everywhere.
+DenseMatrix scattered(Index rows, Index cols, double seed) {
+    DenseMatrix X(rows, cols);
+    for (Index j = 0; j < cols; ++j)
+        for (Index i = 0; i < rows; ++i)
+            X(i, j) =
+                std::sin(seed * 12.9898 * static_cast<double>(i + 1) +
+                         78.233 * static_cast<double>((j + 1) * (j + 3)) + static_cast<double>((i + 1) * (j + 1)));
+    return X;
+}
+
+constexpr Index p = 50, m = 30;
+const Matrix A = Matrix::diagonal(Vector::LinSpaced(p, 1, 400).cwiseAbs2());
+const Matrix B(scattered(m, p, 1));
+const Vector c = Vector::Constant(m, -0.3);
+
+/// A load that sways, so that contact comes and goes.
+Vector load(int k) {
+    const Vector shape = scattered(p, 1, 4).col(0);
+    return 0.3 * std::sin(0.05 * k) * A.times(shape).cwiseProduct(Vector::LinSpaced(p, 1, 0.02).cwiseAbs2());
+}
+
+TEST(DenseContact, IsTheSameToTheLastBitWithAndWithoutScreening) {
+    const auto with = DenseContact({.screening = true}).prepare(A, B);
+    const auto without = DenseContact({.screening = false}).prepare(A, B);
+    Vector u = Vector::Zero(p), v = u, lambda = Vector::Zero(m), mu = lambda;
+    int open = 0, closed = 0;
+    for (int k = 0; k < 400; ++k) {
+        Vector bound = c;
+        if (k % 3 == 0) bound[5] = -infinity;
+        const ContactReport a = with->solve(load(k), bound, {u, lambda}), b = without->solve(load(k), bound, {v, mu});
+        ASSERT_EQ(a.outcome, Outcome::converged);
+        ASSERT_EQ(b.outcome, Outcome::converged);
+        ASSERT_EQ(u, v);
+        ASSERT_EQ(lambda, mu);
+        EXPECT_EQ(a.iterations, b.iterations);
+        EXPECT_EQ(a.active, b.active);
+        EXPECT_EQ(a.kkt.stationarity, b.kkt.stationarity);
+        EXPECT_EQ(a.kkt.penetration, b.kkt.penetration);
+        EXPECT_EQ(a.kkt.negativity, b.kkt.negativity);
+        EXPECT_EQ(a.kkt.complementarity, b.kkt.complementarity);
+        ++(a.active > 0 ? closed : open);
+    }
+    EXPECT_GT(open, 50);
+    EXPECT_GT(closed, 50);
+    Vector bad = load(1);
+    bad[3] = std::nan("");
+    lambda.setZero();
+    EXPECT_EQ(with->solve(bad, c, {u, lambda}).outcome, Outcome::inaccurate);
+}
+
+TEST(ScreenedGaps, ClaimsOnlyWhatHoldsInLongDouble) {
+    const DenseMatrix rows = scattered(40, 60, 2);
+    ScreenedGaps screen(rows);
+    int claims = 0, open = 0;
+    for (int k = 0; k < 2000; ++k) {
+        Vector u = scattered(60, 1, 0.1 + 0.37 * k).col(0);
+        for (Index j = 0; j < u.size(); ++j) u[j] /= static_cast<double>((j * 7) % 60 + 1) * (1 + k % 4);
+        const Eigen::Matrix<long double, Eigen::Dynamic, 1> moved = rows.cast<long double>() * u.cast<long double>();
+        Vector bound = Vector::Constant(40, -0.8);
+        bound[k % 40] = k % 2 ? -infinity : static_cast<double>(moved[k % 40]);  // touching to rounding: never open
+        const bool all = ((moved - bound.cast<long double>()).array() > 0).all();
+        if (k % 2 == 0) {
+            EXPECT_FALSE(screen.all_open(u, bound));
+        }
+        if (k % 2 == 0) continue;
+        open += all;
+        if (!screen.all_open(u, bound)) continue;
+        ++claims;
+        EXPECT_TRUE(all);
+    }
+    EXPECT_GT(open, 100);
+    EXPECT_LT(open, 950);
+    EXPECT_EQ(claims, open);  // rows in doubt are looked at in full
+}
+
+/// lambda of (S + E) lambda >= c - B A^-1 b and its complement, by projected Gauss-Seidel.
+Vector by_gauss_seidel(const Vector& b, double compliance) {
+    const DenseMatrix rows = B.to_dense();
+    const Vector inverse = A.main_diagonal().cwiseInverse();
+    DenseMatrix S = rows * inverse.asDiagonal() * rows.transpose();
+    S.diagonal() *= 1 + compliance;
+    const Vector g = c - rows * inverse.cwiseProduct(b);
+    Vector lambda = Vector::Zero(m);
+    for (int sweep = 0; sweep < 20000; ++sweep)
+        for (Index i = 0; i < m; ++i) lambda[i] = std::max(lambda[i] + (g[i] - S.row(i).dot(lambda)) / S(i, i), 0.0);
+    return lambda;
+}
+
+TEST(DenseContact, WithComplianceAgreesWithGaussSeidelOnTheSofterRows) {
+    for (const double compliance : {0.1, 0.3, 2.0}) {
+        const auto prepared = DenseContact({.compliance = compliance}).prepare(A, B);
+        Vector u = Vector::Zero(p), lambda = Vector::Zero(m);
+        int closed = 0;
+        for (const int k : {5, 20, 31, 90}) {
+            const ContactReport report = prepared->solve(load(k), c, {u, lambda});
+            ASSERT_EQ(report.outcome, Outcome::converged);
+            EXPECT_LT(report.kkt.largest(), 1e-12);
+            const Vector expected = by_gauss_seidel(load(k), compliance);
+            EXPECT_LT((lambda - expected).norm(), 1e-9 * (1 + expected.norm()));
+            closed += report.active > 0;
+            // The true penetration is that of the springs E, which the unchanged A balances.
+            const DenseMatrix rows = B.to_dense();
+            const Vector inverse = A.main_diagonal().cwiseInverse(), gap = rows * u - c;
+            for (Index i = 0; i < m; ++i) {
+                const double give = compliance * rows.row(i).cwiseAbs2().dot(inverse) * lambda[i];
+                if (lambda[i] > 0) {
+                    EXPECT_NEAR(gap[i], -give, 1e-12);
+                }
+                if (lambda[i] == 0) {
+                    EXPECT_GE(gap[i], -1e-12);
+                }
+            }
+            EXPECT_LT((A.times(u) - load(k) - rows.transpose() * lambda).norm(), 1e-9 * load(k).norm());
+        }
+        EXPECT_GE(closed, 2);
+    }
+}
+
+TEST(DenseContact, WithComplianceSharesTheForceOfEqualRows) {
+    DenseMatrix twice(2, 3);
+    twice << 1, 0, 0, 1, 0, 0;
+    const auto prepared = DenseContact({.compliance = 0.5}).prepare(Matrix::identity(3), Matrix(twice));
+    Vector u = Vector::Zero(3), lambda = Vector::Zero(2);
+    ASSERT_EQ(prepared->solve(Eigen::Vector3d(-5, 1, 2), Vector::Zero(2), {u, lambda}).outcome, Outcome::converged);
+    EXPECT_NEAR(lambda[0], 2, 1e-12);  // -5 + 2 s + s/2 = 0
+    EXPECT_NEAR(lambda[1], 2, 1e-12);
+    EXPECT_NEAR(u[0], -1, 1e-12);
+}
+
+TEST(DenseContact, RefusesAComplianceThatIsNone) {
+    for (const double bad : {-0.1, std::nan(""), infinity})
+        EXPECT_THROW((void)DenseContact({.compliance = bad}).prepare(A, B), InputError);
+}
+
+}  // namespace
+}  // namespace tact
