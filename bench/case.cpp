@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "tact/bench/interrupt.hpp"
@@ -137,6 +138,7 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
         const std::vector<long> steps = steps_at(times, grid);
         std::ranges::transform(steps, times.begin(), [&](long step) { return grid.t(step); });
     }
+    const std::vector<double> asked = times;
     std::ranges::sort(times);
     times.erase(std::ranges::unique(times).begin(), times.end());
     json["integrator"] = method->name();
@@ -144,7 +146,7 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
     json["t_end"] = grid.t(grid.steps);
     json["steps"] = grid.steps;
 
-    json["states"] = Json::array();
+    std::map<double, Json> states;
     Progress progress(scene.name, grid.t(grid.steps) - grid.t0);
     double impulse = 0, before = grid.t0;
     long intervals = 0;
@@ -165,7 +167,7 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
             *method, problem, grid, workspace, times,
             [&](const State& state) {
                 const Index active = (state.lambda.array() > 0).count();
-                json["states"].push_back(state_json(options, scene, problem, state, active));
+                states[state.t] = state_json(options, scene, problem, state, active);
             },
             observers);
     });
@@ -180,6 +182,9 @@ void run_march(const CaseOptions& options, const StudyScene& scene, const Contac
     json["contact_iterations"] = march.contact_iterations;
     json["kkt"] = kkt_json(march.worst_kkt);
     if (march.outcome != Outcome::converged) json["failed_step"] = march.last.step;
+    json["states"] = Json::array();
+    for (const double t : asked)
+        if (states.contains(t)) json["states"].push_back(states[t]);
 }
 
 void check(const CaseOptions& options, const StudyScene& scene) {

@@ -29,6 +29,8 @@ struct AutomaticOptions {
     /// Condition of A (scaled to unit diagonal) up to which some 20 sweeps or steps of CG reach rounding: less than a
     /// factor's back-substitutions cost.
     double well_conditioned = 20;
+    /// The same for bounds, whose sweeps are cheaper: some 100 of them still beat a factor and its growing pool.
+    double sweepable = 100;
     /// Solves with one A before its factor pays; one more for every 16 rows that were in contact meanwhile.
     int solves_before_factor = 20;
 };
@@ -36,7 +38,7 @@ struct AutomaticOptions {
 /// The chooser. In this order, for symmetric A:
 ///   diagonal, rows that do not overlap                -> DiagonalContact
 ///   dense or diagonal, or few unknowns                -> DenseContact
-///   well conditioned and bounds                       -> ColourSor
+///   bounds, condition up to `sweepable`               -> ColourSor
 ///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more
 ///   M-matrix and bounds                               -> MultigridActiveSet
 ///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint

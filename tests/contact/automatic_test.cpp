@@ -67,7 +67,7 @@ TEST(AutomaticContact, GivesUpMultigridForTheFactorWhenOneMatrixIsAskedForOften_
 TEST(AutomaticContact, GivesUpAnIterationThatIsSlowAgainAndAgain) {
     const Obstacle o = obstacle(60, Eigen::Vector2d(0.45, 0.4));
     AutomaticOptions options;
-    options.well_conditioned = 1e9;  // so that sweeps are taken where they are slow
+    options.sweepable = 1e9;  // so that sweeps are taken where they are slow
     const auto prepared = AutomaticContact(options).prepare(o.K, o.B);
     std::vector<std::string_view> strategies;
     for (int k = 0; k < 4; ++k) {
