@@ -29,5 +29,6 @@ export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 "$root/cmake/install-packages.sh"
 cd "$root"
 cmake --preset release --log-level=WARNING >/dev/null
-cmake --build --preset release --parallel "$(nproc)"
+# nproc counts OMP_NUM_THREADS instead of processors.
+cmake --build --preset release --parallel "$(getconf _NPROCESSORS_ONLN)"
 exec ctest --test-dir build/release --output-on-failure -j2 $leave_out "$@"
