@@ -26,7 +26,7 @@ export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 (
   cd "$root"
   cmake --preset release --log-level=WARNING >/dev/null
-# nproc counts OMP_NUM_THREADS instead of processors.
+  # nproc counts OMP_NUM_THREADS instead of processors.
   cmake --build --preset release --parallel "$(getconf _NPROCESSORS_ONLN)" --target tact-bench
 )
 exec "$root/build/release/bench/tact-bench" speedup "$@"
