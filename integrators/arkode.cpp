@@ -1,21 +1,13 @@
 #include "tact/integrators/arkode.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "tact/integrators/impact.hpp"
 #include "tact/integrators/naming.hpp"
+#include "tact/integrators/step_control.hpp"
 #include "tact/integrators/sundials/arkode_run.hpp"
 
 namespace tact {
-namespace {
-
-void check_positive(const char* name, double value) {
-    if (!(value > 0) || !std::isfinite(value))
-        throw InputError(std::string("Arkode: ") + name + " is " + std::to_string(value) + ", expected > 0");
-}
-
-}  // namespace
 
 Arkode::Arkode(ButcherTable table, std::optional<double> restitution) : table_(std::move(table)), adaptive_(false) {
     validate(table_);
@@ -27,13 +19,9 @@ Arkode::Arkode(ButcherTable table, const Options& options)
     : table_(std::move(table)), options_(options), adaptive_(true) {
     validate(table_);
     check_restitution("Arkode", options.restitution);
-    check_positive("rtol", options.rtol);
-    check_positive("atol", options.atol);
+    check_step_control("Arkode", options);
     if (table_.b_embedded.size() == 0)
         throw InputError("Arkode: table " + table_.name + " has no b_embedded, expected one for adaptive steps");
-    if (!(options.first_step >= 0) || !(options.max_step >= 0))
-        throw InputError("Arkode: first_step is " + std::to_string(options.first_step) + " and max_step is " +
-                         std::to_string(options.max_step) + ", expected neither negative");
 }
 
 std::string Arkode::name() const {

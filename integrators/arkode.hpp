@@ -25,7 +25,8 @@ public:
         double first_step = 0;         ///< 0: 1e-3 of the grid's length
         double max_step = 0;           ///< 0: the grid's whole length
         long most_steps = 10'000'000;  ///< accepted or not; then Outcome::step_limit
-        /// As Ida's: SUNDIALS' Newton iteration with a condensed linear solve; for scenes without contact.
+        /// As Ida's: SUNDIALS' Newton iteration with a condensed linear solve; for scenes without contact. The residuals
+        /// reported are those of its linear solves.
         bool newton = false;
         /// An impact law: in steps that end in contact the velocity that the stages' contact forces gave is replaced by a
         /// projection with this restitution (VelocityProjection). Nothing: what the stages gave.

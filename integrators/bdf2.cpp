@@ -51,6 +51,7 @@ public:
         if (stages_.reads_guess() && !next_is_earlier_) next_.u() = now_.u() + dt * now_.v();
         next_is_earlier_ = false;
         t_ = grid_.t(step);
+        hook_.begin_step();
         SUNNonlinSolSolve(hook_.get(), nullptr, next_view_.get(), nullptr, 0, SUNFALSE, nullptr);
         hook_.rethrow();
         const StepReport report{t_, step, hook_.report().outcome, hook_.report(), {}, {}};

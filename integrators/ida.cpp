@@ -1,31 +1,19 @@
 #include "tact/integrators/ida.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "tact/integrators/impact.hpp"
 #include "tact/integrators/naming.hpp"
+#include "tact/integrators/step_control.hpp"
 #include "tact/integrators/sundials/ida_run.hpp"
 
 namespace tact {
-namespace {
-
-void check_positive(const char* name, double value) {
-    if (!(value > 0) || !std::isfinite(value))
-        throw InputError(std::string("Ida: ") + name + " is " + std::to_string(value) + ", expected > 0");
-}
-
-}  // namespace
 
 Ida::Ida(const Options& options) : options_(options) {
-    check_positive("rtol", options.rtol);
-    check_positive("atol", options.atol);
+    check_step_control("Ida", options);
     check_restitution("Ida", options.restitution);
     if (options.max_order < 1 || options.max_order > 5)
         throw InputError("Ida: max_order is " + std::to_string(options.max_order) + ", expected from 1 to 5");
-    if (!(options.first_step >= 0) || !(options.max_step >= 0))
-        throw InputError("Ida: first_step is " + std::to_string(options.first_step) + " and max_step is " +
-                         std::to_string(options.max_step) + ", expected neither negative");
 }
 
 Ida Ida::fixed_step() {

@@ -25,7 +25,8 @@ public:
         double max_step = 0;           ///< 0: the grid's whole length
         long most_steps = 10'000'000;  ///< accepted or not; then Outcome::step_limit
         /// SUNDIALS' Newton iteration with a condensed n x n linear solve in place of the stage hook: for scenes without
-        /// contact (InputError else). Cross-checks the hook; for an r it is one Newton iteration where the hook has two.
+        /// contact (InputError else). The residuals reported are those of its linear solves: the iteration itself ends at
+        /// SUNDIALS' tolerance. Cross-checks the hook; for an r it is one Newton iteration where the hook has two.
         bool newton = false;
         /// An impact law: where rows close, the velocity is projected as by VelocityProjection with this restitution, and
         /// the history begins anew. Nothing: the scheme's own restitution, which depends on the step it falls in.

@@ -93,7 +93,11 @@ ContactReport VelocityProjection::project(const State& before, const ConstVector
     next.v() = before.v();
     ContactReport report = solve(free_, next.v(), impulse_);
     if (report.outcome != Outcome::converged) return report;
-    if (safeguard_) keep_energy(before, next);
+    if (safeguard_) {
+        const ContactReport kept = keep_energy(before, next);
+        if (kept.outcome != Outcome::converged) return kept;
+        report.kkt.raise_to(kept.kkt);
+    }
     next.lambda = impulse_ / h;
     return report;
 }
@@ -114,23 +118,25 @@ double VelocityProjection::excess_energy(const State& before, const State& next)
     return excess + 0.5 * difference_.dot(safe_v_);
 }
 
-void VelocityProjection::keep_energy(const State& before, State& next) {
+ContactReport VelocityProjection::keep_energy(const State& before, State& next) {
     const double excess = excess_energy(before, next);
-    if (!(excess > 0)) return;
+    if (!(excess > 0)) return {};
     closed_ = (next.lambda.array() > 0).select(rate_, off_);
     safe_v_ = next.v();
     safe_impulse_ = impulse_;
-    if (solve(free_, safe_v_, safe_impulse_).outcome != Outcome::converged) return;
+    ContactReport report = solve(free_, safe_v_, safe_impulse_);
+    if (report.outcome != Outcome::converged) return report;
     // |d|^2 theta^2 / 2 + v'M d theta + excess = 0, the smaller root; where there is none, the energy's least.
     difference_ = safe_v_ - next.v();
     problem_.M->multiply(difference_, work_);
     const double square = difference_.dot(work_), slope = next.v().dot(work_);
-    if (!(square > 0)) return;
+    if (!(square > 0)) return report;
     const double discriminant = slope * slope - 2 * square * excess;
     const double root = (-slope - std::sqrt(std::max(discriminant, 0.0))) / square;
     const double theta = std::clamp(root, 0.0, 1.0);
     next.v() += theta * difference_;
     impulse_ += theta * (safe_impulse_ - impulse_);
+    return report;
 }
 
 }  // namespace tact

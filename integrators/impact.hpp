@@ -30,7 +30,7 @@ public:
 
 private:
     ContactReport solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse);
-    void keep_energy(const State& before, State& next);
+    ContactReport keep_energy(const State& before, State& next);
     double excess_energy(const State& before, const State& next);
 
     const ContactProblem& problem_;

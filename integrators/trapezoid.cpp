@@ -125,7 +125,8 @@ public:
         if (now_.step == 0) begin();
         const double h = grid_.dt;
         StepReport report{grid_.t(now_.step + 1), now_.step + 1};
-        position_side(report.t);
+        end_load_ = load_.before(report.t, h);
+        position_side();
         report.contact = solve_position(combination_, report.t);
         report.outcome = report.contact.outcome;
         if (report.outcome != Outcome::converged) return report;
@@ -133,7 +134,7 @@ public:
         next_.t = report.t;
 
         internal_forces(next_.u());
-        internal_ = load_.before(report.t, h) - internal_;  // f1 - K u1
+        internal_ = end_load_ - internal_;  // f1 - K u1
         velocity_side();
         const ContactReport impact = velocity_.project(now_, momentum_, h, next_);
         if (report.contact.active > 0) report.impact = impact;
@@ -155,11 +156,11 @@ private:
 
     /// rhs_ = f1 + m M q + d D q - D (v0 + h (1 - gamma) a0) + (af k0 - am a0) / (1 - af), k and a times M,
     /// q = u0 + h v0 + h^2 (1/2 - beta) a0
-    void position_side(double t) {
+    void position_side() {
         const double h = grid_.dt;
         const Vector& a0 = acceleration_force();
         work_ = now_.u() + h * now_.v();
-        rhs_ = load_.before(t, h);
+        rhs_ = end_load_;
         problem_.M->multiply(work_, rhs_, combination_.mass, 1);
         rhs_ += (combination_.mass * h * h * (0.5 - alpha_.beta) - alpha_.m / (1 - alpha_.f)) * a0 +
                 alpha_.f / (1 - alpha_.f) * force_;
@@ -195,8 +196,7 @@ private:
         }
         force_ = internal_;
         if (!load_.jumps(t, grid_.dt)) return;
-        work_ = -load_.before(t, grid_.dt);
-        work_ += load_.after(t, grid_.dt);
+        work_ = load_.after(t, grid_.dt) - end_load_;
         force_ += work_;
         if (damped_) algorithmic_ += work_;
     }
@@ -205,6 +205,7 @@ private:
     Alpha alpha_;
     VelocityProjection velocity_;
     Combination combination_;
+    Vector end_load_;  // f1, left limit
     Vector momentum_;
     Vector algorithmic_;  // M a of the family's own acceleration; rho = 1: force_ itself
 };

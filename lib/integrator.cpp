@@ -16,14 +16,6 @@ TimeGrid TimeGrid::until(double t_end, double dt) {
 
 namespace {
 
-void raise_to(KktResiduals& worst, const KktResiduals& kkt) {
-    const auto worse = [](double a, double b) { return std::isnan(b) ? infinity : std::max(a, b); };
-    worst.stationarity = worse(worst.stationarity, kkt.stationarity);
-    worst.penetration = worse(worst.penetration, kkt.penetration);
-    worst.negativity = worse(worst.negativity, kkt.negativity);
-    worst.complementarity = worse(worst.complementarity, kkt.complementarity);
-}
-
 bool tell(std::span<const Observer> observers, const State& state, const StepReport& report) {
     bool proceed = true;
     for (const Observer& observer : observers) proceed &= observer(state, report) == Flow::proceed;
@@ -97,8 +89,8 @@ MarchReport march_through(const Integrator& method, const ContactProblem& given,
         if (contact.active > 0 && march.first_contact_step == 0) march.first_contact_step = march.last.step;
         march.most_active = std::max(march.most_active, contact.active);
         march.contact_iterations += contact.iterations;
-        raise_to(march.worst_kkt, contact.kkt);
-        if (march.last.impact) raise_to(march.worst_kkt, march.last.impact->kkt);
+        march.worst_kkt.raise_to(contact.kkt);
+        if (march.last.impact) march.worst_kkt.raise_to(march.last.impact->kkt);
         proceed = step(*run, march.last) == Flow::proceed;
     }
     if (!proceed) march.outcome = Outcome::stopped;

@@ -135,6 +135,18 @@ double KktResiduals::largest() const {
     return worst;
 }
 
+void KktResiduals::raise_to(const KktResiduals& other) {
+    const auto raise = [](double& worst, double b) { worst = std::isnan(b) ? infinity : std::max(worst, b); };
+    raise(stationarity, other.stationarity);
+    raise(penetration, other.penetration);
+    raise(negativity, other.negativity);
+    raise(complementarity, other.complementarity);
+    raise(absolute.stationarity, other.absolute.stationarity);
+    raise(absolute.penetration, other.absolute.penetration);
+    raise(absolute.negativity, other.absolute.negativity);
+    raise(absolute.complementarity, other.absolute.complementarity);
+}
+
 bool KktResiduals::within(double tolerance, double gap_size) const {
     constexpr double rounding = 1e-13;
     const double floor = gap_size < pseudo_infinite ? rounding * gap_size : 0;

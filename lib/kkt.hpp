@@ -30,6 +30,9 @@ struct KktResiduals {
         double complementarity = 0;
     } absolute;
 
+    /// Each residual becomes the larger of the two; NaN counts as infinity.
+    void raise_to(const KktResiduals& other);
+
     /// Whether a solve that worked with gaps of this size has reached the tolerance. Where all gaps and displacements of
     /// the solution vanish the scaled penetration is rounding over rounding: there 1e-13 of the gaps worked with decides.
     bool within(double tolerance, double gap_size) const;

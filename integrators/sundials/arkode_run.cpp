@@ -18,8 +18,6 @@
 namespace tact::sundials {
 namespace {
 
-Eigen::Map<Vector> map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
-
 struct StageData {
     double t = 0, gamma = 0;
     N_Vector predicted = nullptr, known = nullptr;
@@ -101,6 +99,8 @@ public:
         report.t = adaptive_ ? reached : grid_.t(report.step);
         if (options_.newton) {
             linear_.forget();
+            report.contact.strategy = "SUNDIALS' Newton";
+            report.contact.kkt = std::exchange(linear_kkt_, {});
             now_.y = y_;
         } else {
             report.contact = hook_.report();
@@ -196,14 +196,13 @@ private:
         history_ = -a * (map(data.predicted) + map(data.known));
         predicted_ = data.predicted;
         stage_a_ = a;
-        if (velocity_) {
-            long attempts = 0;
-            ARKStepGetNumStepAttempts(memory_, &attempts);
-            stage_index_ = attempts == attempt_ ? stage_index_ + 1 : first_implicit_;
-            if (attempts != attempt_)
-                impulse_ = (first_implicit_ == 1 ? table_.b[0] * step_of(data.gamma) : 0.0) * first_lambda_;
-            attempt_ = attempts;
-        }
+        long attempts = 0;
+        ARKStepGetNumStepAttempts(memory_, &attempts);
+        const bool first = attempts != std::exchange(attempt_, attempts);
+        stage_index_ = first ? first_implicit_ : stage_index_ + 1;
+        if (first) hook_.begin_step();
+        if (first && velocity_)
+            impulse_ = (first_implicit_ == 1 ? table_.b[0] * step_of(data.gamma) : 0.0) * first_lambda_;
         next_.y = map(data.predicted);
         const double t = adaptive_ ? before_stop(data.t, stop_) : data.t;
         return {t, a, history_.head(now_.n), history_.tail(history_.size() - now_.n)};
@@ -266,6 +265,7 @@ private:
             const ContactReport report = prepared.solve(force_, none_, {solution_, none_});
             if (report.outcome != Outcome::converged)
                 throw NumericalError("Arkode: the linear solve ended " + std::string(to_string(report.outcome)));
+            linear_kkt_.raise_to(report.kkt);
         };
         if (tangent) {
             const Matrix A = combine(combination.stiffness, *tangent, 1, combined(p, combination));
@@ -346,6 +346,7 @@ private:
     void* memory_;
     bool slope_known_ = false;
     std::exception_ptr caught_;
+    KktResiduals linear_kkt_;  // the worst of the step's linear solves
     RunCounters counters_;
     long tries_ = 0;
 };

@@ -47,8 +47,6 @@ NonlinearData nonlinear_data(void* ida) {
     return data;
 }
 
-Eigen::Map<Vector> map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
-
 class IdaRun final : public Run, private StageHook::Client, private LinearHook::Client {
 public:
     IdaRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
@@ -118,6 +116,8 @@ public:
         if (options_.newton) {
             now_.y = y_.head(now_.y.size());
             linear_.forget();
+            report.contact.strategy = "SUNDIALS' Newton";
+            report.contact.kkt = std::exchange(linear_kkt_, {});
         } else {
             report.contact = hook_.report();
             next_.t = report.t;
@@ -203,6 +203,7 @@ private:
     }
 
     Stage stage() override {
+        hook_.begin_step();  // one stage a step, or a new attempt at it
         const NonlinearData data = nonlinear_data(ida_.get());
         stage_t_ = fixed_ ? grid_.t(now_.step + 1) : before_stop(data.t, stop_);
         clock_t_ = data.t - grid_.t0;
@@ -271,6 +272,7 @@ private:
             const ContactReport report = prepared.solve(force_, none_, {solution_, none_});
             if (report.outcome != Outcome::converged)
                 throw NumericalError("Ida: the linear solve ended " + std::string(to_string(report.outcome)));
+            linear_kkt_.raise_to(report.kkt);
         };
         if (p.r) {
             // At the predictor: a modified Newton iteration.
@@ -345,6 +347,7 @@ private:
     double stop_ = infinity;  // of the step under way
     N_Vector predicted_ = nullptr;
     std::exception_ptr caught_;
+    KktResiduals linear_kkt_;  // the worst of the step's linear solves
     RunCounters counters_, past_;
     long tries_ = 0, past_tries_ = 0;
 };

@@ -8,6 +8,8 @@ int StageHook::solve(SUNNonlinearSolver solver, N_Vector, N_Vector correction, N
     ++content.solves;
     try {
         content.report = content.stages->solve(content.client->stage(), *content.target);
+        content.worst.raise_to(content.report.kkt);
+        content.report.kkt = content.worst;
         if (content.report.outcome != Outcome::converged) return SUN_NLS_CONV_RECVR;
         content.client->correct(correction);
         return SUN_NLS_SUCCESS;
@@ -18,7 +20,7 @@ int StageHook::solve(SUNNonlinearSolver solver, N_Vector, N_Vector correction, N
 }
 
 StageHook::StageHook(const Context& context, StageSolver& stages, State& target, Client& client)
-    : content_{&stages, &target, &client, {}, {}}, solver_(SUNNonlinSolNewEmpty(context.get())) {
+    : content_{&stages, &target, &client, {}, {}, {}}, solver_(SUNNonlinSolNewEmpty(context.get())) {
     if (!solver_) throw NumericalError("SUNDIALS: SUNNonlinSolNewEmpty failed");
     auto* ops = solver_->ops;
     ops->gettype = [](SUNNonlinearSolver) { return SUNNONLINEARSOLVER_ROOTFIND; };

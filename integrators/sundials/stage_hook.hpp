@@ -34,6 +34,9 @@ public:
     StageHook& operator=(const StageHook&) = delete;
 
     SUNNonlinearSolver get() const { return solver_; }
+    /// A new step, or a new attempt at one: the worst residuals start from nothing.
+    void begin_step() { content_.worst = {}; }
+    /// Of the last solve, with the worst residuals of all since begin_step.
     const ContactReport& report() const { return content_.report; }
     long solves() const { return content_.solves; }
     /// Raises what the last solve caught, if anything.
@@ -45,6 +48,7 @@ private:
         State* target;
         Client* client;
         ContactReport report;
+        KktResiduals worst;
         std::exception_ptr caught;
         long solves = 0;
     };

@@ -6,10 +6,6 @@
 namespace tact::sundials {
 namespace {
 
-using Map = Eigen::Map<Vector>;
-
-Map map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
-
 void linear_sum(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector z) { map(z) = a * map(x) + b * map(y); }
 void constant(realtype c, N_Vector z) { map(z).setConstant(c); }
 void product(N_Vector x, N_Vector y, N_Vector z) { map(z) = map(x).cwiseProduct(map(y)); }

@@ -10,6 +10,9 @@
 
 namespace tact::sundials {
 
+/// The entries of a serial vector.
+inline Eigen::Map<Vector> map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
+
 /// An N_Vector that looks at an Eigen vector, which must keep its size and outlive it. The operations that integrators
 /// spend their time in are Eigen's: Debian ships SUNDIALS built without optimisation. Clones inherit them.
 class VectorView {
