@@ -1,29 +1,15 @@
 #include "tact/rom/training/greedy.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "tact/rom/training/sampling.hpp"
+#include "tact/rom/training/stopwatch.hpp"
 
 namespace tact {
 namespace {
-
-/// Adds the time it lives to a counter.
-class Stopwatch {
-public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-private:
-    using Clock = std::chrono::steady_clock;
-    double& seconds_;
-    Clock::time_point start_ = Clock::now();
-};
 
 class Training {
 public:
@@ -35,7 +21,7 @@ private:
     bool sample(const Parameter& gamma);
     bool build_basis();
     ReducedBasis raw_basis() const;
-    bool compressed_basis(ReducedBasis& basis);
+    bool compress();
     bool scan();
     MarchReport march(const ContactProblem& problem, ContactWorkspace& workspace, const Observer& record,
                       bool report_steps);
@@ -193,54 +179,33 @@ ReducedBasis Training::raw_basis() const {
     return basis;
 }
 
-bool Training::compressed_basis(ReducedBasis& basis) {
-    const BasisSizes sizes = options_.sizes(samples());
-    if (sizes.p < 1 || sizes.p_lambda < 0)
-        throw InputError("TrainingOptions: sizes gives p = " + std::to_string(sizes.p) +
-                         " and p_lambda = " + std::to_string(sizes.p_lambda) + ", expected p >= 1 and p_lambda >= 0");
-    const ContactProblem problem = family_.at(current().gamma);
-    {
-        const Stopwatch watch(current().seconds_pod);
-        basis.U = pod_.modes(sizes.p).modes;
-        const Index kept = std::min(basis.U.cols(), pod_.above(options_.pod_tolerance));
-        basis.U.conservativeResize(Eigen::NoChange, kept);
-    }
-    basis.U_lambda.resize(dual_.constraints(), 0);
-    if (sizes.p_lambda < 1 || dual_.size() < 1 || basis.U.cols() < 1) return true;
-    const Index enriched = std::lround(options_.supremizers.share * static_cast<double>(basis.U.cols()));
-    basis.U.conservativeResize(Eigen::NoChange, std::max<Index>(basis.U.cols() - enriched, 1));
-    {
-        const Stopwatch watch(current().seconds_projection);
-        basis = modal_basis(problem, basis);
-    }
+bool Training::compress() {
     if (!tell("dual basis", 0)) return false;
-    const Stopwatch watch(current().seconds_dual);
-    const SparseMatrix snapshots = dual_.matrix();
-    DualBasisResult dual = options_.dual_basis({snapshots, problem.B, basis.U, sizes.p_lambda,
-                                                [&](double fraction) { return tell("dual basis", fraction); }});
-    current().residuals = std::move(dual.residuals);
-    current().warning = std::move(dual.warning);
-    basis.U_lambda = std::move(dual.U_lambda);
-    basis.signs = dual.signs;
-    if (enriched > 0) {
-        const DenseMatrix answers = supremizers(problem, basis.U_lambda, enriched, options_.supremizers);
-        basis.U.conservativeResize(Eigen::NoChange, basis.U.cols() + answers.cols());
-        basis.U.rightCols(answers.cols()) = answers;
-    }
-    return result_.outcome != Outcome::stopped;
+    CompressedBasis built = compressed_basis(
+        family_.at(current().gamma), pod_, dual_,
+        {options_.sizes(samples()), options_.pod_tolerance, options_.dual_basis, options_.supremizers},
+        [this](double fraction) { return tell("dual basis", fraction); });
+    current().seconds_pod += built.seconds_pod;
+    current().seconds_dual += built.seconds_dual;
+    current().seconds_projection += built.seconds_projection;
+    current().residuals = std::move(built.residuals);
+    current().warning = std::move(built.warning);
+    if (result_.outcome == Outcome::stopped) return false;
+    result_.basis = std::move(built.basis);
+    return true;
 }
 
 /// Steps 4 and 5: both bases, and the reduced family in modal coordinates.
 bool Training::build_basis() {
-    ReducedBasis basis;
-    if (compression_ == Compression::none)
-        basis = raw_basis();
-    else if (!compressed_basis(basis))
+    if (compression_ == Compression::none) {
+        const Stopwatch watch(current().seconds_projection);
+        if (raw_.cols() > 0) result_.basis = modal_basis(family_.at(current().gamma), raw_basis());
+    } else if (!compress()) {
         return false;
-    if (basis.U.cols() == 0)
+    }
+    if (result_.basis.U.cols() == 0)
         throw InputError("train: all snapshots of the full run are zero, expected a solution that moves");
     const Stopwatch watch(current().seconds_projection);
-    result_.basis = modal_basis(family_.at(current().gamma), basis);
     result_.reduced = reduce(family_, result_.basis);
     current().p = result_.basis.primal_size();
     current().p_lambda = result_.basis.dual_size();

@@ -7,11 +7,9 @@
 
 #include "tact/lib/integrator.hpp"
 #include "tact/rom/reduce.hpp"
-#include "tact/rom/training/dual_basis.hpp"
+#include "tact/rom/training/compressed_basis.hpp"
 #include "tact/rom/training/indicator.hpp"
-#include "tact/rom/training/pod_accumulator.hpp"
 #include "tact/rom/training/snapshots.hpp"
-#include "tact/rom/training/supremizers.hpp"
 
 namespace tact {
 
@@ -27,10 +25,6 @@ struct TrainingContact {
     std::shared_ptr<const ContactSolver> reduced;
 };
 
-struct BasisSizes {
-    Index p = 0;
-    Index p_lambda = 0;
-};
 /// The paper's growth for marches: p = p_lambda = 2 + 98 (N - 1) / 9 in integers; 100 after ten samples.
 BasisSizes paper_sizes(int samples);
 
