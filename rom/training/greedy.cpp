@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "tact/rom/training/candidate_scan.hpp"
+#include "tact/rom/training/checkpoint.hpp"
 #include "tact/rom/training/sampling.hpp"
 #include "tact/rom/training/stopwatch.hpp"
 
@@ -18,17 +19,24 @@ public:
     TrainingResult run();
 
 private:
+    bool resume();
+    void save();
+    Parameter first_sample() const;
     bool sample(const Parameter& gamma);
+    bool run_full(const Parameter& gamma);
+    void take_primal(const Eigen::Ref<const DenseMatrix>& snapshots);
     bool build_basis();
     ReducedBasis raw_basis() const;
     bool compress();
-    bool scan();
-    MarchReport march(const ContactProblem& problem, ContactWorkspace& workspace, const Observer& record,
-                      bool report_steps);
-    bool failed(const MarchReport& march, StopReason reason, const Parameter& gamma);
+    void reduce_family();
+    bool search(Parameter& gamma);
+    bool scan_candidates();
+    bool failed(Outcome outcome, StopReason reason, const Parameter& gamma, long step);
+    bool ended(StopReason reason);
     bool tell(std::string_view stage, double fraction);
-    TrainingIteration& current() { return result_.history.back(); }
-    int samples() const { return static_cast<int>(result_.history.size()); }
+    TrainingIteration& current() { return state_.history.back(); }
+    int samples() const { return static_cast<int>(state_.history.size()); }
+    void mark_sampled(const Parameter& gamma);
     std::size_t next_candidate();
 
     const ContactFamily& family_;
@@ -38,13 +46,10 @@ private:
     std::vector<Parameter> candidates_;
     std::vector<bool> sampled_;
     Compression compression_;
-    ContactWorkspace full_workspace_;
-    DualSnapshots dual_;
-    SnapshotRecorder recorder_;
-    PodAccumulator pod_;
-    DenseMatrix raw_;
+    TrainingState state_;
     std::vector<long> indicator_steps_;
-    TrainingResult result_;
+    TrainingIdentity identity_;  // where there is a checkpoint
+    TrainingResult result_;      // takes history and basis from the state at the end
 };
 
 std::vector<Parameter> checked_candidates(const ContactFamily& family, const TrainingOptions& options) {
@@ -98,11 +103,7 @@ Training::Training(const ContactFamily& family, const TrainingMethod& method, co
       sampled_(candidates_.size(), false),
       compression_(
           options.compression.value_or(method.integrator ? Compression::pod_and_dual_basis : Compression::none)),
-      full_workspace_(contact.full),
-      dual_(family.at(candidates_.empty() ? *options.first : candidates_.front()).constraints()),
-      recorder_(family.at(candidates_.empty() ? *options.first : candidates_.front()).size(),
-                method.integrator ? method.grid.steps : 0, options.strides, dual_),
-      pod_(pod_options(options)),
+      state_(family.at(first_sample()).constraints(), pod_options(options)),
       indicator_steps_(checked_indicator_steps(method, options)) {
     if (options.max_iterations < 1)
         throw InputError("TrainingOptions: max_iterations is " + std::to_string(options.max_iterations) +
@@ -110,33 +111,68 @@ Training::Training(const ContactFamily& family, const TrainingMethod& method, co
     if (!(options.epsilon >= 0 && options.epsilon < 1))
         throw InputError("TrainingOptions: epsilon is " + std::to_string(options.epsilon) +
                          ", expected 0 <= epsilon < 1");
+    if (options.threads < 1)
+        throw InputError("TrainingOptions: threads is " + std::to_string(options.threads) + ", expected at least 1");
 }
 
 TrainingResult Training::run() {
-    Parameter gamma =
-        options_.first
-            ? *options_.first
-            : candidates_[static_cast<std::size_t>(nearest_to_centre(candidates_, family_.lower(), family_.upper()))];
-    for (;;) {
-        if (!sample(gamma) || !build_basis()) return std::move(result_);
-        if (samples() == options_.max_iterations) {
-            result_.reason = StopReason::iterations;
-            return std::move(result_);
-        }
-        if (std::find(sampled_.begin(), sampled_.end(), false) == sampled_.end()) {
-            result_.reason = StopReason::candidates_exhausted;
-            return std::move(result_);
-        }
-        if (!scan()) return std::move(result_);
-        const std::size_t next = next_candidate();
-        current().max_indicator = current().indicators[next];
-        if (current().max_indicator < options_.epsilon * result_.history.front().max_indicator ||
-            current().max_indicator == 0) {
-            result_.reason = StopReason::tolerance;
-            return std::move(result_);
-        }
-        gamma = candidates_[next];
+    Parameter gamma = first_sample();
+    for (bool resumed = resume();; resumed = false) {
+        if (!resumed && !(sample(gamma) && build_basis())) break;
+        const bool more = search(gamma);
+        if (result_.outcome != Outcome::converged) break;
+        if (!resumed) save();
+        if (!more) break;
     }
+    result_.history = std::move(state_.history);
+    result_.basis = std::move(state_.basis);
+    return std::move(result_);
+}
+
+Parameter Training::first_sample() const {
+    if (options_.first) return *options_.first;
+    return candidates_[static_cast<std::size_t>(nearest_to_centre(candidates_, family_.lower(), family_.upper()))];
+}
+
+/// Takes up the state of the checkpoint, if there is one.
+bool Training::resume() {
+    if (options_.checkpoint.empty()) return false;
+    identity_ = training_identity(family_, method_, options_, pod_options(options_));
+    if (!read_checkpoint(options_.checkpoint, identity_, state_)) return false;
+    if (samples() > options_.max_iterations)
+        throw InputError("train: checkpoint " + options_.checkpoint.string() + " holds " + std::to_string(samples()) +
+                         " iterations, expected at most max_iterations, " + std::to_string(options_.max_iterations));
+    for (const TrainingIteration& iteration : state_.history) mark_sampled(iteration.gamma);
+    reduce_family();
+    return true;
+}
+
+void Training::save() {
+    if (!options_.checkpoint.empty()) write_checkpoint(options_.checkpoint, identity_, state_);
+}
+
+void Training::mark_sampled(const Parameter& gamma) {
+    for (std::size_t j = 0; j < candidates_.size(); ++j)
+        if (candidates_[j] == gamma) sampled_[j] = true;
+}
+
+/// Steps 6 to 18: where to sample next, or why training ends here.
+bool Training::search(Parameter& gamma) {
+    if (samples() == options_.max_iterations) return ended(StopReason::iterations);
+    if (std::ranges::find(sampled_, false) == sampled_.end()) return ended(StopReason::candidates_exhausted);
+    if (current().indicators.empty() && !scan_candidates()) return false;
+    const std::size_t next = next_candidate();
+    current().max_indicator = current().indicators[next];
+    if (current().max_indicator < options_.epsilon * state_.history.front().max_indicator ||
+        current().max_indicator == 0)
+        return ended(StopReason::tolerance);
+    gamma = candidates_[next];
+    return true;
+}
+
+bool Training::ended(StopReason reason) {
+    result_.reason = reason;
+    return false;
 }
 
 /// The unsampled candidate with the largest indicator, the first of equals.
@@ -150,31 +186,52 @@ std::size_t Training::next_candidate() {
 
 /// Steps 2 and 3: the full run at gamma and its snapshots.
 bool Training::sample(const Parameter& gamma) {
-    result_.history.emplace_back();
+    state_.history.emplace_back();
     current().gamma = gamma;
-    for (std::size_t j = 0; j < candidates_.size(); ++j)
-        if (candidates_[j] == gamma) sampled_[j] = true;
-    if (!tell("full run", 0)) return false;
-    {
-        const Stopwatch watch(current().seconds_full);
-        const ContactProblem problem = family_.at(gamma);
-        current().march = march(problem, full_workspace_, recorder_.observer(), true);
-    }
-    if (failed(current().march, StopReason::full_run_failed, gamma)) return false;
-    if (!tell("POD", 0)) return false;
-    const Stopwatch watch(current().seconds_pod);
-    if (compression_ == Compression::none) {
-        const Index held = raw_.cols();
-        raw_.conservativeResize(recorder_.primal().rows(), held + recorder_.primal().cols());
-        raw_.rightCols(recorder_.primal().cols()) = recorder_.primal();
-    } else {
-        pod_.add(recorder_.primal());
-    }
+    mark_sampled(gamma);
+    if (!tell("full run", 0) || !run_full(gamma) || !tell("POD", 0)) return false;
+    current().snapshots = compression_ == Compression::none ? state_.raw.cols() : state_.pod.snapshots();
+    current().dual_snapshots = state_.dual.size();
     return true;
 }
 
+bool Training::run_full(const Parameter& gamma) {
+    MarchReport march;
+    {
+        const Stopwatch watch(current().seconds_full);
+        const ContactProblem problem = family_.at(gamma);
+        SnapshotRecorder recorder(problem.size(), method_.integrator ? method_.grid.steps : 0, options_.snapshots,
+                                  state_.dual, [this](const auto& snapshots) { take_primal(snapshots); });
+        std::vector<Observer> observers{recorder.observer()};
+        if (method_.integrator)
+            observers.emplace_back([this](const State& state, const StepReport&) {
+                const double done = static_cast<double>(state.step) / static_cast<double>(method_.grid.steps);
+                return tell("full run", done) ? Flow::proceed : Flow::stop;
+            });
+        // Its own contact solvers: what others remember of earlier samples would be missing after a resumption.
+        ContactWorkspace workspace(contact_.full);
+        march = run_by(method_, problem, workspace, observers);
+        recorder.flush();
+    }
+    current().seconds_full -= current().seconds_pod;  // compression goes on during the run
+    current().full = {march.outcome,     march.accepted_steps,     march.first_contact_step,
+                      march.most_active, march.contact_iterations, march.worst_kkt};
+    return !failed(march.outcome, StopReason::full_run_failed, gamma, march.last.step);
+}
+
+void Training::take_primal(const Eigen::Ref<const DenseMatrix>& snapshots) {
+    const Stopwatch watch(current().seconds_pod);
+    if (compression_ == Compression::pod_and_dual_basis) {
+        state_.pod.add(snapshots);
+        return;
+    }
+    const Index held = state_.raw.cols();
+    state_.raw.conservativeResize(snapshots.rows(), held + snapshots.cols());
+    state_.raw.rightCols(snapshots.cols()) = snapshots;
+}
+
 ReducedBasis Training::raw_basis() const {
-    ReducedBasis basis{raw_, DenseMatrix(dual_.matrix())};
+    ReducedBasis basis{state_.raw, DenseMatrix(state_.dual.matrix())};
     basis.U_lambda.colwise().normalize();
     return basis;
 }
@@ -182,7 +239,7 @@ ReducedBasis Training::raw_basis() const {
 bool Training::compress() {
     if (!tell("dual basis", 0)) return false;
     CompressedBasis built = compressed_basis(
-        family_.at(current().gamma), pod_, dual_,
+        family_.at(current().gamma), state_.pod, state_.dual,
         {options_.sizes(samples()), options_.pod_tolerance, options_.dual_basis, options_.supremizers},
         [this](double fraction) { return tell("dual basis", fraction); });
     current().seconds_pod += built.seconds_pod;
@@ -191,7 +248,7 @@ bool Training::compress() {
     current().residuals = std::move(built.residuals);
     current().warning = std::move(built.warning);
     if (result_.outcome == Outcome::stopped) return false;
-    result_.basis = std::move(built.basis);
+    state_.basis = std::move(built.basis);
     return true;
 }
 
@@ -199,78 +256,61 @@ bool Training::compress() {
 bool Training::build_basis() {
     if (compression_ == Compression::none) {
         const Stopwatch watch(current().seconds_projection);
-        if (raw_.cols() > 0) result_.basis = modal_basis(family_.at(current().gamma), raw_basis());
+        if (state_.raw.cols() > 0) state_.basis = modal_basis(family_.at(current().gamma), raw_basis());
     } else if (!compress()) {
         return false;
     }
-    if (result_.basis.U.cols() == 0)
+    if (state_.basis.U.cols() == 0)
         throw InputError("train: all snapshots of the full run are zero, expected a solution that moves");
-    const Stopwatch watch(current().seconds_projection);
-    result_.reduced = reduce(family_, result_.basis);
-    current().p = result_.basis.primal_size();
-    current().p_lambda = result_.basis.dual_size();
+    reduce_family();
+    current().p = state_.basis.primal_size();
+    current().p_lambda = state_.basis.dual_size();
+    if (options_.on_basis) {
+        result_.history = state_.history;
+        result_.basis = state_.basis;
+        options_.on_basis(result_);
+    }
     return true;
 }
 
+void Training::reduce_family() {
+    const Stopwatch watch(current().seconds_projection);
+    result_.reduced = reduce(family_, state_.basis);
+}
+
 /// Steps 10 to 13: the reduced run and its indicator at every candidate not yet sampled.
-bool Training::scan() {
+bool Training::scan_candidates() {
     if (!tell("candidates", 0)) return false;
     std::optional<Indicator> indicator;
     if (!options_.oracle) {
         const Stopwatch watch(current().seconds_projection);
-        indicator.emplace(family_, result_.basis, options_.weights);
+        indicator.emplace(family_, state_.basis, options_.weights);
     }
     const Stopwatch watch(current().seconds_candidates);
-    ContactWorkspace workspace(contact_.reduced);
-    ReducedStateRecorder recorder(method_.integrator ? indicator_steps_ : std::vector<long>{0});
-    current().indicators.assign(candidates_.size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t j = 0; j < candidates_.size(); ++j) {
-        if (sampled_[j]) continue;
-        const Parameter& gamma = candidates_[j];
-        const ContactProblem problem = result_.reduced->at(gamma);
-        const MarchReport report = march(problem, workspace, recorder.observer(problem), false);
-        if (failed(report, StopReason::reduced_run_failed, gamma)) return false;
-        current().indicators[j] = indicator ? (*indicator)(gamma, problem, recorder.states())
-                                            : options_.oracle(gamma, result_.basis, recorder.states());
-        if (!tell("candidates", static_cast<double>(j + 1) / static_cast<double>(candidates_.size()))) return false;
-    }
-    return true;
+    const CandidateScan task{
+        .method = method_,
+        .contact = contact_.reduced,
+        .steps = indicator_steps_,
+        .threads = options_.threads,
+        .judge =
+            [&](const Parameter& gamma, const ContactProblem& reduced, const ReducedStates& states) {
+                return indicator ? (*indicator)(gamma, reduced, states)
+                                 : options_.oracle(gamma, state_.basis, states);
+            },
+        .progress = [this](double fraction) { return tell("candidates", fraction); }};
+    ScanResult found = scan(task, *result_.reduced, candidates_, sampled_);
+    if (found.failed < candidates_.size())
+        return !failed(found.outcome, StopReason::reduced_run_failed, candidates_[found.failed], found.failed_step);
+    current().indicators = std::move(found.indicators);
+    return found.outcome == Outcome::converged;
 }
 
-/// A march, or a static solution told to `record` as a state at step 0.
-MarchReport Training::march(const ContactProblem& problem, ContactWorkspace& workspace, const Observer& record,
-                            bool report_steps) {
-    if (method_.integrator) {
-        std::vector<Observer> observers{record};
-        if (report_steps)
-            observers.emplace_back([this](const State& state, const StepReport&) {
-                const double done = static_cast<double>(state.step) / static_cast<double>(method_.grid.steps);
-                return tell("full run", done) ? Flow::proceed : Flow::stop;
-            });
-        return integrate(*method_.integrator, problem, method_.grid, workspace, observers);
-    }
-    validate(problem);
-    StaticSolution solution = solve_static(problem, workspace);
-    MarchReport report;
-    report.outcome = report.last.outcome = solution.report.outcome;
-    report.last.contact = solution.report;
-    report.worst_kkt = solution.report.kkt;
-    report.most_active = solution.report.active;
-    report.contact_iterations = solution.report.iterations;
-    if (report.outcome != Outcome::converged) return report;
-    report.final_state = State(problem);
-    report.final_state.y = std::move(solution.u);
-    report.final_state.lambda = std::move(solution.lambda);
-    record(report.final_state, report.last);
-    return report;
-}
-
-bool Training::failed(const MarchReport& report, StopReason reason, const Parameter& gamma) {
-    if (report.outcome == Outcome::converged) return false;
-    result_.outcome = report.outcome;
-    result_.reason = report.outcome == Outcome::stopped ? StopReason::stopped : reason;
+bool Training::failed(Outcome outcome, StopReason reason, const Parameter& gamma, long step) {
+    if (outcome == Outcome::converged) return false;
+    result_.outcome = outcome;
+    result_.reason = outcome == Outcome::stopped ? StopReason::stopped : reason;
     result_.failed_gamma = gamma;
-    result_.failed_step = report.last.step;
+    result_.failed_step = step;
     return true;
 }
 

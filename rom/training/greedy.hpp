@@ -1,23 +1,18 @@
 // Greedy training of a reduced basis over a box of parameters.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string_view>
 
-#include "tact/lib/integrator.hpp"
 #include "tact/rom/reduce.hpp"
 #include "tact/rom/training/compressed_basis.hpp"
 #include "tact/rom/training/indicator.hpp"
 #include "tact/rom/training/snapshots.hpp"
+#include "tact/rom/training/training_run.hpp"
 
 namespace tact {
-
-/// How full and reduced problems are marched; without an integrator they are static, and the grid is not read.
-struct TrainingMethod {
-    std::shared_ptr<const Integrator> integrator;
-    TimeGrid grid;
-};
 
 /// The contact solvers of full and of reduced problems.
 struct TrainingContact {
@@ -40,6 +35,8 @@ struct TrainingProgress {
     double fraction;
 };
 
+struct TrainingResult;
+
 struct TrainingOptions {
     std::vector<Parameter> candidates;  ///< not needed with `first` and one iteration, or without parameters
     std::optional<Parameter> first;     ///< absent: the candidate nearest the centre of the box
@@ -50,19 +47,25 @@ struct TrainingOptions {
     /// Basis sizes for so many samples; not read without compression. p must not exceed the number of snapshots
     /// (InputError); p_lambda, which contact decides, is lowered to what the dual basis can give.
     std::function<BasisSizes(int samples)> sizes = paper_sizes;
-    SnapshotStrides strides;
+    SnapshotSelection snapshots;
     IndicatorWeights weights;
     long indicator_stride = 10;         ///< J: its multiples from 1 to the last step
     std::vector<long> indicator_steps;  ///< J, instead, ascending
-    /// Stands in for the indicator, such as a true error from stored full runs.
+    /// Stands in for the indicator, such as a true error from stored full runs. Called from all threads at once.
     std::function<double(const Parameter&, const ReducedBasis&, const ReducedStates&)> oracle;
     PodAccumulatorOptions pod;  ///< max_vectors is raised to twice the largest p
     double pod_tolerance = 0;   ///< modes up to this fraction of the largest singular value are left out of U
     /// The last modes of U make way for supremizers; not read without compression.
     SupremizerOptions supremizers;
     DualBasis dual_basis = nnmf_basis();
+    int threads = 1;  ///< candidates are run by so many; the result is the same for any number, to the last bit
+    /// A file that holds the training after every iteration; where there is one already, training goes on from it, with
+    /// the result it would have had. It is some n (max_vectors + p) numbers long, and two a dual entry. Empty: none.
+    std::filesystem::path checkpoint;
     /// Called often enough for a progress bar; Flow::stop ends training after the step or sweep under way.
     std::function<Flow(const TrainingProgress&)> observer;
+    /// Told the result so far when the bases of an iteration are there, before the candidates are searched.
+    std::function<void(const TrainingResult&)> on_basis;
 };
 
 enum class StopReason {
@@ -75,16 +78,32 @@ enum class StopReason {
 };
 std::string_view to_string(StopReason reason);
 
+/// What a full run came to, as in MarchReport.
+struct FullRun {
+    Outcome outcome = Outcome::converged;
+    long accepted_steps = 0, first_contact_step = 0;
+    Index most_active = 0;
+    long contact_iterations = 0;
+    KktResiduals worst_kkt;
+};
+
 /// One iteration of Algorithm 2.
 struct TrainingIteration {
-    Parameter gamma;                 ///< sampled
-    Index p = 0, p_lambda = 0;       ///< after modal_basis
-    MarchReport march;               ///< the full run (statics: only its outcome, `last` and residuals)
-    std::vector<double> residuals;   ///< of the dual basis
-    std::string warning;             ///< of the dual basis, or empty
-    std::vector<double> indicators;  ///< of each candidate; NaN where already sampled. Empty without a scan.
-    double max_indicator = 0;        ///< I(gamma_next)
+    Parameter gamma;            ///< sampled
+    Index p = 0, p_lambda = 0;  ///< after modal_basis
+    FullRun full;
+    Index snapshots = 0, dual_snapshots = 0;  ///< of all samples so far
+    std::vector<double> residuals;            ///< of the dual basis
+    std::string warning;                      ///< of the dual basis, or empty
+    std::vector<double> indicators;           ///< of each candidate; NaN where already sampled. Empty without a scan.
+    double max_indicator = 0;                 ///< I(gamma_next)
     double seconds_full = 0, seconds_pod = 0, seconds_dual = 0, seconds_projection = 0, seconds_candidates = 0;
+
+    template <class Archive> void serialize(Archive& archive) {
+        archive(gamma, p, p_lambda, full.outcome, full.accepted_steps, full.first_contact_step, full.most_active,
+                full.contact_iterations, full.worst_kkt, snapshots, dual_snapshots, residuals, warning, indicators,
+                max_indicator, seconds_full, seconds_pod, seconds_dual, seconds_projection, seconds_candidates);
+    }
 };
 
 struct [[nodiscard]] TrainingResult {
@@ -100,7 +119,9 @@ struct [[nodiscard]] TrainingResult {
 /// Algorithm 2, static or in time: sample the full problem, build U and U_lambda, run the reduced problem at all
 /// candidates, sample next where the indicator is largest; no candidate is sampled twice. A run that does not converge
 /// ends training with its outcome; the basis reached is kept. Seconds aside, the same input gives the same result.
-/// InputError for options that do not fit the family. (Balajewicz, Amsallem, Farhat, section 4; the stopping rule is
+/// Beside the full problem memory holds one block of snapshots (SnapshotRecorder), the POD's n x 2 max_vectors, the dual
+/// snapshots' non-zero entries and a basis, whatever the steps and samples. InputError for options that do not fit the
+/// family, or a checkpoint of another training. (Balajewicz, Amsallem, Farhat, section 4; the stopping rule is
 /// printed reversed there.)
 TrainingResult train(const ContactFamily& family, const TrainingMethod& method, const TrainingContact& contact,
                      const TrainingOptions& options);

@@ -35,6 +35,10 @@ public:
     /// How many singular values exceed this fraction of the largest.
     Index above(double fraction) const;
 
+    template <class Archive> void serialize(Archive& archive) {
+        archive(scaled_modes_, singular_values_, snapshots_, forgotten_);
+    }
+
 private:
     void merge(const Eigen::Ref<const DenseMatrix>& block);
 

@@ -1,5 +1,6 @@
 #include "tact/rom/training/sampling.hpp"
 
+#include <gsl/gsl_qrng.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
 
@@ -21,6 +22,25 @@ void check_box(const char* where, const Parameter& lower, const Parameter& upper
             throw InputError(std::string(where) + ": parameter " + std::to_string(k) + " ranges from " +
                              std::to_string(lower[k]) + " to " + std::to_string(upper[k]) +
                              ", expected finite bounds in ascending order");
+}
+
+std::vector<Parameter> quasi_random(const char* where, const gsl_qrng_type* type, const Parameter& lower,
+                                    const Parameter& upper, Index count) {
+    check_box(where, lower, upper);
+    if (count < 1)
+        throw InputError(std::string(where) + ": count is " + std::to_string(count) + ", expected at least 1");
+    if (lower.size() > static_cast<Index>(type->max_dimension))
+        throw InputError(std::string(where) + ": lower has " + std::to_string(lower.size()) +
+                         " entries, expected at most " + std::to_string(type->max_dimension));
+    const std::unique_ptr<gsl_qrng, decltype(&gsl_qrng_free)> sequence(
+        gsl_qrng_alloc(type, static_cast<unsigned int>(lower.size())), &gsl_qrng_free);
+    std::vector<Parameter> points(static_cast<std::size_t>(count), lower);
+    Vector x(lower.size());
+    for (Parameter& point : points) {
+        gsl_qrng_get(sequence.get(), x.data());
+        point = (1 - x.array()) * lower.array() + x.array() * upper.array();
+    }
+    return points;
 }
 
 }  // namespace
@@ -71,6 +91,14 @@ std::vector<Parameter> latin_hypercube(const Parameter& lower, const Parameter& 
         }
     }
     return points;
+}
+
+std::vector<Parameter> sobol_sequence(const Parameter& lower, const Parameter& upper, Index count) {
+    return quasi_random("sobol_sequence", gsl_qrng_sobol, lower, upper, count);
+}
+
+std::vector<Parameter> halton_sequence(const Parameter& lower, const Parameter& upper, Index count) {
+    return quasi_random("halton_sequence", gsl_qrng_halton, lower, upper, count);
 }
 
 Index nearest_to_centre(const std::vector<Parameter>& points, const Parameter& lower, const Parameter& upper) {

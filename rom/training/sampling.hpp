@@ -22,6 +22,15 @@ std::vector<Parameter> tensor_grid(const Parameter& lower, const Parameter& uppe
 std::vector<Parameter> latin_hypercube(const Parameter& lower, const Parameter& upper, Index count,
                                        std::uint32_t seed);
 
+/// The first points of Sobol's sequence, from the box's centre on (its origin left out), in up to 40 parameters: every 2^k
+/// of them fill the box evenly (GSL; Antonov, Saleev, USSR Comput. Math. Math. Phys. 19, 1980). InputError as above, or
+/// for more parameters.
+std::vector<Parameter> sobol_sequence(const Parameter& lower, const Parameter& upper, Index count);
+
+/// The first points of Halton's sequence, of which parameter k has the digits of 1, 2, 3, ... in the k-th prime base
+/// reversed (Halton, Numer. Math. 2, 1960); in up to 1229 parameters, good in the first dozen. InputError as above.
+std::vector<Parameter> halton_sequence(const Parameter& lower, const Parameter& upper, Index count);
+
 /// The index of the point nearest the centre of the box, distances in units of its sides; the first of equals.
 /// InputError without points.
 Index nearest_to_centre(const std::vector<Parameter>& points, const Parameter& lower, const Parameter& upper);

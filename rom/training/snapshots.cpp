@@ -26,25 +26,44 @@ SparseMatrix DualSnapshots::matrix() const {
                                           rows_.data(), values_.data());
 }
 
-SnapshotRecorder::SnapshotRecorder(Index unknowns, long steps, SnapshotStrides strides, DualSnapshots& dual)
-    : strides_(strides), dual_(dual) {
-    if (strides.primal < 1 || strides.dual < 1)
-        throw InputError("SnapshotStrides: primal is " + std::to_string(strides.primal) + " and dual is " +
-                         std::to_string(strides.dual) + ", expected both at least 1");
-    primal_.resize(unknowns, steps / strides.primal + 1);
+SnapshotRecorder::SnapshotRecorder(Index unknowns, long steps, SnapshotSelection selection, DualSnapshots& dual,
+                                   Sink sink)
+    : selection_(selection), dual_(dual), sink_(std::move(sink)) {
+    if (selection.primal < 1 || selection.dual < 1)
+        throw InputError("SnapshotSelection: primal is " + std::to_string(selection.primal) + " and dual is " +
+                         std::to_string(selection.dual) + ", expected both at least 1");
+    if (!(selection.tolerance >= 0 && selection.tolerance < 1))
+        throw InputError("SnapshotSelection: tolerance is " + std::to_string(selection.tolerance) +
+                         ", expected 0 <= tolerance < 1");
+    const Index expected = std::max<Index>(steps / selection.primal, 1), blocks = (expected + block - 1) / block;
+    primal_.resize(unknowns, (expected + blocks) / blocks);  // with room for a state at the start
 }
 
 Observer SnapshotRecorder::observer() {
     count_ = 0;
+    last_primal_.resize(0);
+    last_dual_.resize(0);
     return [this](const State& state, const StepReport&) {
-        if (state.step % strides_.dual == 0) dual_.add(state.lambda);
-        if (state.step % strides_.primal == 0 && !state.u().isZero(0)) {
-            if (count_ == primal_.cols())
-                throw InputError("SnapshotRecorder: more states than the steps it was made for");
-            primal_.col(count_++) = state.u();
-        }
+        if (state.step % selection_.dual == 0 && is_new(state.lambda, last_dual_)) dual_.add(state.lambda);
+        if (state.step % selection_.primal != 0 || state.u().isZero(0) || !is_new(state.u(), last_primal_))
+            return Flow::proceed;
+        if (count_ == primal_.cols()) flush();
+        primal_.col(count_++) = state.u();
         return Flow::proceed;
     };
+}
+
+void SnapshotRecorder::flush() {
+    if (count_ > 0) sink_(primal_.leftCols(count_));
+    count_ = 0;
+}
+
+/// Whether x is to be kept; `kept` is then x.
+bool SnapshotRecorder::is_new(const ConstVectorRef& x, Vector& kept) const {
+    if (selection_.tolerance == 0) return true;
+    if (kept.size() == x.size() && (x - kept).norm() <= selection_.tolerance * x.norm()) return false;
+    kept = x;
+    return true;
 }
 
 }  // namespace tact

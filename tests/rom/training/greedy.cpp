@@ -151,6 +151,29 @@ TEST(Train, IsTheSameEachTime) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(a.history[k].gamma, b.history[k].gamma);
 }
 
+TEST(Train, TellsTheBasesOfEveryIteration) {
+    TrainingOptions options = over_grid(moving, 3);
+    std::vector<Index> sizes;
+    options.on_basis = [&](const TrainingResult& so_far) {
+        sizes.push_back(so_far.basis.primal_size());
+        EXPECT_EQ(so_far.history.size(), sizes.size());
+        EXPECT_EQ(so_far.reduced->at(options.candidates[0]).size(), sizes.back());
+    };
+    const TrainingResult result = train(moving, marching, dense(), options);
+    EXPECT_EQ(sizes, (std::vector<Index>{4, 8, 12}));
+    EXPECT_EQ(result.basis.primal_size(), 12);
+}
+
+TEST(Train, KeepsFewerSnapshotsWithATolerance) {
+    TrainingOptions options = over_grid(moving, 1);
+    const TrainingResult all = train(moving, marching, dense(), options);
+    EXPECT_EQ(all.history[0].snapshots, marching.grid.steps);
+    options.snapshots.tolerance = 0.2;
+    const TrainingResult few = train(moving, marching, dense(), options);
+    EXPECT_LT(few.history[0].snapshots, marching.grid.steps / 2);
+    EXPECT_GT(few.history[0].snapshots, 4);
+}
+
 TEST(Train, OfASingleProblemIsReproduction) {
     const SingleProblem single(chain(24, -0.05));
     TrainingOptions options;
@@ -330,7 +353,7 @@ TEST(Train, RefusesWhatDoesNotFit) {
     bad.epsilon = 1;
     refused(bad);
     bad = good;
-    bad.strides.primal = 0;
+    bad.snapshots.primal = 0;
     refused(bad);
     bad = good;
     bad.indicator_stride = 0;
@@ -354,6 +377,9 @@ TEST(Train, RefusesWhatDoesNotFit) {
     refused(bad);
     bad = good;
     bad.weights.negativity = -1;
+    refused(bad);
+    bad = good;
+    bad.threads = 0;
     refused(bad);
 }
 

@@ -49,6 +49,42 @@ TEST(LatinHypercube, IsDecidedByItsSeed) {
     EXPECT_NE(latin_hypercube(lower, upper, 9, 5), latin_hypercube(lower, upper, 9, 6));
 }
 
+/// The digits of i in this base, behind the point in reverse order.
+double radical_inverse(Index i, Index base) {
+    double x = 0;
+    for (double place = 1.0 / static_cast<double>(base); i > 0; i /= base, place /= static_cast<double>(base))
+        x += static_cast<double>(i % base) * place;
+    return x;
+}
+
+TEST(HaltonSequence, IsTheRadicalInverse) {
+    const auto points = halton_sequence(lower, upper, 50);
+    ASSERT_EQ(points.size(), 50u);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Index number = static_cast<Index>(i) + 1;
+        EXPECT_NEAR(points[i][0], 0.3 + 0.3 * radical_inverse(number, 2), 1e-14);
+        EXPECT_NEAR(points[i][1], 0.2 + 0.4 * radical_inverse(number, 3), 1e-14);
+    }
+}
+
+TEST(SobolSequence, WithTheOriginFillsEveryElementaryBoxOnce) {
+    // The defining property of a (0, 4, 2)-net in base 2, of the first 16 points, the origin among them.
+    const Parameter zero = Eigen::Vector2d::Zero(), one = Eigen::Vector2d::Ones();
+    auto points = sobol_sequence(zero, one, 15);
+    EXPECT_EQ(points.front(), one / 2);
+    points.push_back(zero);
+    for (Index bits = 0; bits <= 4; ++bits) {
+        std::vector<int> hits(16, 0);
+        for (const Parameter& x : points) {
+            const auto i = static_cast<Index>(x[0] * static_cast<double>(1 << bits));
+            const auto j = static_cast<Index>(x[1] * static_cast<double>(1 << (4 - bits)));
+            ++hits[static_cast<std::size_t>((i << (4 - bits)) + j)];
+        }
+        EXPECT_EQ(hits, std::vector<int>(16, 1)) << bits;
+    }
+    EXPECT_EQ(sobol_sequence(lower, upper, 7)[0], (lower + upper) / 2);
+}
+
 TEST(NearestToCentre, MeasuresInUnitsOfTheBoxAndTakesTheFirstOfEquals) {
     // Four points of an even grid are equally near.
     EXPECT_EQ(nearest_to_centre(tensor_grid(lower, upper, {10, 10}), lower, upper), 44);
@@ -66,6 +102,11 @@ TEST(Sampling, RefusesBadCountsAndBoxes) {
     EXPECT_THROW(latin_hypercube(lower, upper, 0, 1), InputError);
     EXPECT_THROW(latin_hypercube(lower, Parameter(Eigen::Vector2d(infinity, 1)), 3, 1), InputError);
     EXPECT_THROW(nearest_to_centre({}, lower, upper), InputError);
+    for (const auto sequence : {sobol_sequence, halton_sequence}) {
+        EXPECT_THROW(sequence(lower, upper, 0), InputError);
+        EXPECT_THROW(sequence(upper, lower, 3), InputError);
+        EXPECT_THROW(sequence(Vector::Zero(1300), Vector::Ones(1300), 3), InputError);
+    }
 }
 
 }  // namespace
