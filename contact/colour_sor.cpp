@@ -48,6 +48,12 @@ struct Halves {
     }
 };
 
+Part to_double(const float* x) {
+    Half half;
+    std::memcpy(&half, x, sizeof(half));
+    return __builtin_convertvector(half, Part);
+}
+
 class PreparedSor final : public PreparedContact {
 public:
     PreparedSor(const Matrix& A, const Matrix& B) : PreparedSor(A, B, compressed_columns(A.to_sparse())) {}
@@ -154,12 +160,11 @@ private:
             }
             store(u_.data() + i, u);
             raise(size, u);
+            // A guess may be far smaller than what the load asks for, which single precision must hold.
+            raise(size, load(load_ + i) * to_double(inverse_.data() + i));
         }
         unit_ = largest_of(size);
-        if (unit_ == 0)
-            for (Index i = 0; i < n_; ++i)
-                unit_ = std::max(unit_, std::abs(load_[i] * static_cast<double>(inverse_[i])));
-        if (!(unit_ > 0)) unit_ = 1;
+        if (!(unit_ > underflow)) unit_ = 1;
     }
 
     void set_bounds(const ConstVectorRef& c) {
@@ -209,9 +214,7 @@ private:
                     upper.half[part] = __builtin_convertvector(above * scale, Half);
                 }
                 store(held_force + i, held ? -residual : zero);
-                Half size;
-                std::memcpy(&size, measure + i, sizeof(size));
-                const Part unit = __builtin_convertvector(size, Part);
+                const Part unit = to_double(measure + i);
                 const Part free_residual = held ? zero : residual;
                 raise(largest_residual, free_residual);
                 raise(largest_force, product.part[part]);
@@ -224,7 +227,7 @@ private:
         }
         const auto share = [](const Part& part, const Part& whole) {
             const double numerator = largest_of(part);
-            return numerator == 0 ? 0 : numerator / largest_of(whole);
+            return numerator == 0 ? 0 : numerator / std::max(largest_of(whole), underflow);
         };
         return std::max(share(largest_residual, largest_force), share(scaled_residual, scaled_force));
     }

@@ -136,7 +136,7 @@ private:
     static constexpr int coarse_rounds = 3;
     static constexpr double coarse_share = 0.1;
 
-    double size() const { return std::max(x_.lpNorm<Eigen::Infinity>(), b_size_); }
+    double size() const { return std::max({x_.lpNorm<Eigen::Infinity>(), b_size_, underflow}); }
 
     Outcome load(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& guess) {
         for (std::size_t i = 0; i < place_.size(); ++i) {

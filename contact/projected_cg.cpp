@@ -77,8 +77,7 @@ public:
         b_ = b.cwiseProduct(scale_);
         c_ = c.cwiseProduct(row_scale_);
         lambda_ = point.lambda.cwiseQuotient(row_scale_);
-        // The certificate divides by |A||x| + |b| + |B'||lambda|, in these units about the larger of x and b.
-        const double floor = accuracy * std::max(x_.cwiseAbs().maxCoeff(), b_.cwiseAbs().maxCoeff());
+        double floor = attainable();
         active_.clear();
         choose_set(floor);
         std::vector<std::uint64_t> settled;
@@ -93,6 +92,11 @@ public:
             if (!std::isfinite(residual)) {
                 report.outcome = Outcome::inaccurate;
                 return report;
+            }
+            if (const double finer = attainable(); finer < 0.1 * floor) {
+                // The guess was far larger than the solution, and so is its rounding.
+                floor = finer;
+                residual = start_residual();
             }
             estimate_multipliers();
             const bool changed = choose_set(floor);
@@ -121,6 +125,11 @@ private:
     static constexpr double acceptable = 1e-10;
     static constexpr double inexactness = 0.03;
     static constexpr int iteration_limit = 100;
+
+    /// The certificate divides by |A||x| + |b| + |B'||lambda|, in these units about the larger of x and b.
+    double attainable() const {
+        return accuracy * std::max({x_.cwiseAbs().maxCoeff(), b_.cwiseAbs().maxCoeff(), underflow});
+    }
 
     /// C := {lambda_i + c_i - B_i x > 0} and x is moved onto B_C x = c_C. Says whether C changed.
     bool choose_set(double floor) {

@@ -16,9 +16,6 @@ using Buffer = double[block_rows];
 /// A bound beyond this is a way to write none.
 constexpr double pseudo_infinite = 1e19;
 
-/// Numbers below this carry fewer digits than others, or their roundings do: a motion that decays for ever gets there.
-constexpr double underflow = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-
 /// Both arguments are max norms; 0/0 = 0, and what has decayed into underflow counts as zero.
 double ratio(double numerator, double denominator) {
     if (numerator == 0) return 0;

@@ -2,14 +2,19 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "tact/lib/matrix.hpp"
 
 namespace tact {
 
+/// Numbers below this carry fewer digits than others, or their roundings do: a motion that decays for ever gets there. What
+/// is measured against them is measured against this.
+inline constexpr double underflow = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+
 /// Scaled KKT residuals of  min 1/2 u'Au - u'b,  Bu >= c  at (u, lambda). Max norms, absolute values entrywise,
-/// 0/0 = 0 (denominators are at least 1e-292: what has decayed into underflow is zero), rows with c = -infinity skipped:
+/// 0/0 = 0 (denominators are at least `underflow`: what has decayed that far is zero), rows with c = -infinity skipped:
 ///   stationarity     |Au - b - B'lambda| / (|A||u| + |b| + |B'||lambda|)
 ///   penetration      max(c - Bu, 0) / max(|B||u| + |c|), rows with c <= -1e19 ("none") left out of the scale
 ///   negativity       max(-lambda, 0) / max|lambda|

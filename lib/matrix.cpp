@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -95,20 +96,29 @@ double asymmetry_of(const DenseMatrix& A) {
     return asymmetry.largest;
 }
 
+/// What is too small for a normal number has lost its digits, and with them every ratio that a solver would form.
+void drop_subnormal(double* entries, Index count) {
+    for (Index i = 0; i < count; ++i)
+        entries[i] = std::abs(entries[i]) < std::numeric_limits<double>::min() ? 0.0 : entries[i];
+}
+
 }  // namespace
 
 Matrix::Matrix() : Matrix(SparseMatrix(0, 0)) {}
 
 Matrix::Matrix(SparseMatrix entries) : rows_(entries.rows()), cols_(entries.cols()) {
     entries.makeCompressed();
+    drop_subnormal(entries.valuePtr(), entries.nonZeros());
     storage_ = std::make_shared<const Storage>(std::move(entries));
 }
 
 Matrix::Matrix(DenseMatrix entries) : rows_(entries.rows()), cols_(entries.cols()) {
+    drop_subnormal(entries.data(), entries.size());
     storage_ = std::make_shared<const Storage>(std::move(entries));
 }
 
 Matrix::Matrix(Diagonal diagonal) : rows_(diagonal.entries.size()), cols_(diagonal.entries.size()) {
+    drop_subnormal(diagonal.entries.data(), diagonal.entries.size());
     storage_ = std::make_shared<const Storage>(std::move(diagonal));
 }
 

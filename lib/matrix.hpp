@@ -11,8 +11,9 @@
 
 namespace tact {
 
-/// An immutable matrix of one of three kinds. Copies are free; `same_storage` asks cheaply whether two matrices are
-/// one, which is how the problems of a family share factors from one parameter to the next.
+/// An immutable matrix of one of three kinds; entries below the smallest normal number are taken as zero. Copies are
+/// free; `same_storage` asks cheaply whether two matrices are one, which is how the problems of a family share factors
+/// from one parameter to the next.
 class Matrix {
 public:
     struct Diagonal {

@@ -61,7 +61,7 @@ bool Acceptance::balances(const ConstVectorRef& b, const ConstVectorRef& u, cons
         }
     }
     return force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <=
-           tolerance * size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
+           tolerance * std::max(size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>(), underflow);
 }
 
 bool Acceptance::rows_are_met(const KktResiduals& kkt, const ConstVectorRef& b, const ConstVectorRef& c,
@@ -78,7 +78,7 @@ bool Acceptance::rows_are_met(const KktResiduals& kkt, const ConstVectorRef& b, 
             if (lambda[i] != 0) return false;
             continue;
         }
-        double gap = -c[i], own = std::abs(c[i]);
+        double gap = -c[i], own = std::max(std::abs(c[i]), underflow);
         for (SparseMatrix::InnerIterator it(Bt_, i); it; ++it) {
             const double term = it.value() * u[it.row()];
             gap += term;

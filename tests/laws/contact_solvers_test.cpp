@@ -206,6 +206,70 @@ TEST_P(EveryStrategy, NaNEndsAsAnOutcomeAndLeavesThePoint) {
     EXPECT_EQ(lambda, Vector::Zero(3));
 }
 
+TEST_P(EveryStrategy, SubnormalNumbersCountAsZero) {
+    constexpr double tiny = 3 * std::numeric_limits<double>::denorm_min();
+    const auto outcome = [&](const QuadraticProgram& qp) -> std::pair<std::string, Solved> {
+        try {
+            const Solved s = solve(*GetParam().solver, qp, Vector::Zero(qp.c.size()));
+            return {std::string(to_string(s.report.outcome)), s};
+        } catch (const InputError&) {
+            return {"refused", {}};
+        } catch (const NumericalError&) {
+            return {"singular", {}};
+        }
+    };
+    on_programs(20, [&](std::mt19937&, const QuadraticProgram& qp) {
+        const Index n = qp.A.rows(), m = qp.c.size();
+        using Change = std::function<void(QuadraticProgram&, double)>;
+        std::vector<Change> changes{[](QuadraticProgram& p, double x) { p.A(0, 0) = x; },
+                                    [&](QuadraticProgram& p, double x) {
+                                        p.A(0, n - 1) = p.A(n - 1, 0) = x;
+                                        p.A.diagonal() += qp.A.cwiseAbs().rowwise().sum();
+                                    },
+                                    [](QuadraticProgram& p, double x) { p.b[0] = x; },
+                                    [](QuadraticProgram& p, double x) { p.b.setConstant(x); }};
+        if (m > 0) {
+            changes.push_back([](QuadraticProgram& p, double x) { p.B.row(0).setConstant(x); });
+            changes.push_back([](QuadraticProgram& p, double x) {
+                p.B.row(0).setConstant(-x);
+                p.c[0] = -1;
+            });
+            changes.push_back([](QuadraticProgram& p, double x) { p.c[0] = x; });
+            changes.push_back([](QuadraticProgram& p, double x) {
+                p.b.setConstant(-x);
+                p.c.setConstant(x);
+            });
+        }
+        for (std::size_t k = 0; k < changes.size(); ++k) {
+            QuadraticProgram subnormal = qp, zero = qp;
+            changes[k](subnormal, tiny);
+            changes[k](zero, 0);
+            const auto [found, a] = outcome(subnormal);
+            const auto [expected, b] = outcome(zero);
+            if (may_give_up(a) || may_give_up(b)) continue;
+            ASSERT_EQ(found, expected) << "change " << k << ", m " << m;
+            if (found != "converged") continue;
+            ASSERT_LE((a.u - b.u).norm(), 1e-9 * (1e-280 + b.u.norm())) << "change " << k;
+            ASSERT_LE((a.lambda - b.lambda).norm(), 1e-8 * (1e-280 + b.lambda.norm())) << "change " << k;
+        }
+    });
+}
+
+TEST_P(EveryStrategy, AGuessOfAnyMagnitudeDoesNotChangeTheAnswer) {
+    on_programs(10, [&](std::mt19937& random, const QuadraticProgram& qp) {
+        const Solved cold = solve(*GetParam().solver, qp, Vector::Zero(qp.c.size()));
+        if (may_give_up(cold)) return;
+        for (const double size : {1e-300, 1e-60, 1e-20, 1e6}) {
+            Vector u = size * random_vector(random, qp.A.rows()), lambda = Vector::Zero(qp.c.size());
+            const auto prepared = GetParam().solver->prepare(Matrix(qp.A), Matrix(qp.B));
+            const auto report = prepared->solve(qp.b, qp.c, {u, lambda});
+            if (!GetParam().always_ends && report.outcome == Outcome::cycling) continue;
+            ASSERT_EQ(report.outcome, Outcome::converged) << size;
+            ASSERT_LE((cold.u - u).norm(), 1e-9 * (1 + cold.u.norm())) << size;
+        }
+    });
+}
+
 INSTANTIATE_TEST_SUITE_P(All, EveryStrategy, testing::ValuesIn(strategies()),
                          [](const auto& instance) { return std::string(instance.param.name); });
 

@@ -35,6 +35,22 @@ TEST(Matrix, EveryKindMultipliesAsEigensDenseMatrixDoes) {
     EXPECT_EQ(d.main_diagonal(), x);
 }
 
+TEST(Matrix, SubnormalEntriesAreTakenAsZeroAndNaNIsKept) {
+    const double tiny = std::numeric_limits<double>::denorm_min(), normal = std::numeric_limits<double>::min();
+    DenseMatrix A(2, 2);
+    A << tiny, -normal, -tiny, infinity;
+    for (const Matrix& M : {Matrix(A), Matrix(SparseMatrix(A.sparseView(0, 0)))}) {
+        EXPECT_EQ(M.to_dense()(0, 0), 0);
+        EXPECT_EQ(M.to_dense()(1, 0), 0);
+        EXPECT_EQ(M.to_dense()(0, 1), -normal);
+        EXPECT_FALSE(M.all_finite());
+    }
+    const Matrix d = Matrix::diagonal(Vector{{tiny, normal, std::numeric_limits<double>::quiet_NaN()}});
+    EXPECT_EQ(d.main_diagonal()[0], 0);
+    EXPECT_EQ(d.main_diagonal()[1], normal);
+    EXPECT_FALSE(d.all_finite());
+}
+
 TEST(Matrix, BetaZeroOverwritesNaN) {
     Vector y = Vector::Constant(3, std::numeric_limits<double>::quiet_NaN());
     Matrix(SparseMatrix(example().sparseView())).multiply(Vector::Ones(4), y);
