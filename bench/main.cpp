@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "tact/bench/bases.hpp"
 #include "tact/bench/case.hpp"
 #include "tact/bench/contact_solvers.hpp"
 #include "tact/bench/interrupt.hpp"
@@ -186,11 +187,33 @@ void add_work_precision(CLI::App& app) {
     });
 }
 
+void add_bases(CLI::App& app) {
+    struct Arguments : StudyArguments {
+        std::vector<std::string> scenes, recipes;
+    };
+    CLI::App* command = app.add_subcommand("bases", "Reduced bases: error against online time of every dual basis");
+    const auto arguments = std::make_shared<Arguments>();
+    add_study_options(*command, *arguments);
+    command->add_option("--scenes", arguments->scenes, "static-obstacle,dynamic-obstacle,two-plates (all)")
+        ->delimiter(',');
+    std::string names;
+    for (const std::string& name : basis_recipe_names()) names += (names.empty() ? "" : "; ") + name;
+    command->add_option("--recipes", arguments->recipes, names + " (all)")->delimiter(';');
+    command->callback([arguments] {
+        const Json json =
+            run_bases({arguments->size == "small", arguments->repeats, arguments->scenes, arguments->recipes});
+        std::cout << bases_table(json) << std::flush;
+        write_study(arguments->out, "bases", json, bases_markdown(json));
+        std::cout << "written: bases.json, bases.md and bases.svg in " << arguments->out << "\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
     int code = 0;
     add_speedup(app);
+    add_bases(app);
     add_solvers(app);
     add_stability(app);
     add_work_precision(app);

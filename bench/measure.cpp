@@ -34,15 +34,24 @@ StaticSolution solve(const std::string& who, const ContactProblem& problem, Cont
 }  // namespace
 
 RunSummary run(const std::string& who, const ContactProblem& problem, const Scheme& scheme,
-               ContactWorkspace& workspace, std::span<const Observer> observers) {
+               ContactWorkspace& workspace, std::span<const Observer> observers, const MarchOptions& options) {
     throw_if_interrupted();
     if (!scheme.integrator) {
-        const StaticSolution solution = solve(who, problem, workspace);
-        return {std::string(solution.report.strategy), solution.report.kkt.largest(), solution.report.active, 0};
+        StaticSolution solution = solve(who, problem, workspace);
+        const ContactReport& contact = solution.report;
+        RunSummary summary{std::string(contact.strategy), contact.kkt.largest(), contact.active, 0};
+        if (observers.empty()) return summary;
+        State state(problem);
+        state.y = std::move(solution.u);
+        state.lambda = std::move(solution.lambda);
+        StepReport step;
+        step.contact = contact;
+        for (const Observer& observer : observers) (void)observer(state, step);
+        return summary;
     }
     std::vector<Observer> all(observers.begin(), observers.end());
     all.push_back(stop_on_interrupt());
-    const MarchReport march = integrate(*scheme.integrator, problem, scheme.grid, workspace, all);
+    const MarchReport march = integrate(*scheme.integrator, problem, scheme.grid, workspace, all, options);
     throw_if_interrupted();
     if (march.outcome != Outcome::converged) did_not_converge(who, march.last.step, march.outcome);
     return {std::string(march.last.contact.strategy), march.worst_kkt.largest(), march.most_active,

@@ -30,9 +30,10 @@ struct RunSummary {
     Index most_active = 0;
     long first_contact_step = 0;
 };
-/// `who` is said where it fails.
+/// `who` is said where it fails. Observers see a static solution as a state at step 0.
 RunSummary run(const std::string& who, const ContactProblem& problem, const Scheme& scheme,
-               ContactWorkspace& workspace, std::span<const Observer> observers = {});
+               ContactWorkspace& workspace, std::span<const Observer> observers = {},
+               const MarchOptions& options = {});
 
 /// Steps of a march for other solvers to be timed on.
 struct SampledMarch {

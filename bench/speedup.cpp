@@ -1,104 +1,23 @@
 #include "tact/bench/speedup.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <numeric>
 
 #include "tact/bench/interior_point.hpp"
-#include "tact/bench/interrupt.hpp"
 #include "tact/bench/measure.hpp"
+#include "tact/bench/paper_study.hpp"
+#include "tact/bench/reference_runs.hpp"
 #include "tact/bench/timing.hpp"
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
-#include "tact/rom/training/greedy.hpp"
-#include "tact/rom/training/sampling.hpp"
 
 namespace tact::bench {
 namespace {
 
-/// What the study asks of one scene.
-struct SceneStudy {
-    StudyScene scene;
-    TrainingOptions training;
-    std::vector<Parameter> tests;
-    double paper_speedup;
-};
-
 constexpr long sampled_in_contact = 6;  // steps of a march, for the slow solvers
 constexpr long sampled_free = 4;
 constexpr int sampled_repeats = 3;  // of each, at most: they cost seconds
-constexpr int quarter = 4;
-
-SceneStudy static_obstacle(bool small) {
-    SceneStudy study{study_scene("static-obstacle", small ? 60 : 0), {}, {}, 865};
-    const ContactFamily& family = *study.scene.family;
-    const Index side = small ? 5 : 10;
-    study.training.candidates = tensor_grid(family.lower(), family.upper(), {side, side});
-    study.training.max_iterations = small ? 20 / quarter : 20;
-    const std::vector<Index> counts = small ? std::vector<Index>{13, 5} : std::vector<Index>{25, 11};
-    study.tests = tensor_grid(family.lower(), family.upper(), counts, GridKind::closed);
-    return study;
-}
-
-SceneStudy dynamic_obstacle(bool small) {
-    SceneStudy study{study_scene("dynamic-obstacle", small ? 60 : 0), {}, {}, 302};
-    const ContactFamily& family = *study.scene.family;
-    const Index side = small ? 5 : 10;
-    study.training.candidates = tensor_grid(family.lower(), family.upper(), {side, side});
-    study.training.max_iterations = 10;
-    if (small)
-        study.training.sizes = [](int samples) {
-            const Index p = std::max<Index>(1, paper_sizes(samples).p / quarter);
-            return BasisSizes{p, p};
-        };
-    const std::vector<Index> counts = small ? std::vector<Index>{3, 2} : std::vector<Index>{4, 6};
-    study.tests = tensor_grid(family.lower(), family.upper(), counts, GridKind::closed);
-    if (!small) study.tests.push_back(Eigen::Vector2d(0.3, 0.288));  // where the paper's own model is worst
-    return study;
-}
-
-SceneStudy plates(bool small) {
-    SceneStudy study{study_scene("two-plates", small ? 40 : 0), {}, {Parameter()}, 2229};
-    const Index p = small ? 40 / quarter : 40;
-    study.training.max_iterations = 1;
-    study.training.sizes = [p](int) { return BasisSizes{p, p}; };
-    return study;
-}
-
-TrainingResult train_scene(const SceneStudy& study, const Scheme& scheme, double& seconds) {
-    TrainingOptions options = study.training;
-    Progress progress(study.scene.name + ": training", options.max_iterations);
-    options.observer = [&progress](const TrainingProgress& at) {
-        if (interrupted()) return Flow::stop;
-        // The bar moves with the full runs and the candidates, which take most of an iteration.
-        const double share = at.stage == "full run"     ? 0.4 * at.fraction
-                             : at.stage == "candidates" ? 0.6 + 0.4 * at.fraction
-                                                        : 0.5;
-        progress.at(at.iteration - 1 + share);
-        return Flow::proceed;
-    };
-    TrainingResult result;
-    seconds = seconds_of([&] {
-        result = train(*study.scene.family, {scheme.integrator, scheme.grid},
-                       {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
-    });
-    throw_if_interrupted();
-    if (result.outcome != Outcome::converged)
-        throw NumericalError(study.scene.name + ": training: " + std::string(to_string(result.reason)) + " at step " +
-                             std::to_string(result.failed_step) + " with " + std::string(to_string(result.outcome)));
-    return result;
-}
-
-std::vector<Parameter> outside_training(const SceneStudy& study, const TrainingResult& trained) {
-    if (study.scene.family->names().empty()) return study.tests;
-    std::vector<Parameter> tests;
-    for (const Parameter& gamma : study.tests)
-        if (std::none_of(trained.history.begin(), trained.history.end(),
-                         [&](const TrainingIteration& sample) { return (sample.gamma - gamma).norm() < 1e-9; }))
-            tests.push_back(gamma);
-    return tests;
-}
 
 /// Queries to time: `count` of the tests, spread over them; the only one again and again where there is one.
 std::vector<Parameter> timed_queries(const std::vector<Parameter>& tests, int count) {
@@ -130,7 +49,7 @@ struct FullTimes {
     RunSummary last;
 };
 
-FullTimes full_times(const SceneStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries,
+FullTimes full_times(const PaperStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries,
                      ContactWorkspace& workspace) {
     const ContactFamily& family = *study.scene.family;
     Progress progress(study.scene.name + ": full runs", 2 * static_cast<double>(queries.size()));
@@ -153,7 +72,7 @@ FullTimes full_times(const SceneStudy& study, const Scheme& scheme, const std::v
 }
 
 /// What the slow solvers are timed on: single solves in statics, sampled steps of a march.
-SampledMarch sample(const SceneStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries) {
+SampledMarch sample(const PaperStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries) {
     const std::string& name = study.scene.name;
     if (scheme.integrator)
         return sample_march(name, study.scene.family->at(queries.front()), scheme, sampled_in_contact, sampled_free);
@@ -190,12 +109,14 @@ Json ratio(const Json& seconds, double reduced) {
     return seconds.is_number() ? Json(seconds.get<double>() / reduced) : Json();
 }
 
-Json row_of(const SceneStudy& study, int repeats) {
+Json row_of(const PaperStudy& study, int repeats) {
     const StudyScene& scene = study.scene;
     const Scheme scheme = paper_scheme(scene);
-    double training_seconds = 0;
-    const TrainingResult trained = train_scene(study, scheme, training_seconds);
-    const std::vector<Parameter> tests = outside_training(study, trained);
+    TrainingResult trained;
+    const double training_seconds = seconds_of([&] {
+        trained = train_with_progress(study, {scheme.integrator, scheme.grid}, paper_training(study));
+    });
+    const std::vector<Parameter> tests = without(study.tests, samples_of(trained));
     const std::vector<Parameter> queries = timed_queries(tests, repeats);
 
     ContactWorkspace full_workspace(std::make_shared<AutomaticContact>());
@@ -261,17 +182,8 @@ Json run_speedup(const SpeedupOptions& options) {
     json["repeats"] = options.repeats;
     json["machine"] = machine();
     json["rows"] = Json::array();
-    const std::vector<std::pair<std::string, SceneStudy (*)(bool)>> studies{
-        {"static-obstacle", static_obstacle}, {"dynamic-obstacle", dynamic_obstacle}, {"two-plates", plates}};
-    const auto wanted = [&](const std::string& name) {
-        return options.scenes.empty() || std::ranges::find(options.scenes, name) != options.scenes.end();
-    };
-    for (const std::string& name : options.scenes)
-        if (std::ranges::none_of(studies, [&](const auto& study) { return study.first == name; }))
-            throw InputError("speedup: scene is " + name +
-                             ", expected static-obstacle, dynamic-obstacle or two-plates");
-    for (const auto& [name, study] : studies)
-        if (wanted(name)) json["rows"].push_back(row_of(study(options.small), options.repeats));
+    for (const std::string& name : wanted_scenes("speedup", options.scenes))
+        json["rows"].push_back(row_of(paper_study(name, options.small), options.repeats));
     return json;
 }
 

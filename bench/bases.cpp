@@ -1,0 +1,339 @@
+#include "tact/bench/bases.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "tact/bench/interrupt.hpp"
+#include "tact/bench/methods.hpp"
+#include "tact/bench/paper_study.hpp"
+#include "tact/bench/reference_runs.hpp"
+#include "tact/bench/timing.hpp"
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/lib/sparse/cholmod_solver.hpp"
+#include "tact/rom/training/compressed_basis.hpp"
+
+namespace tact::bench {
+namespace {
+
+constexpr Index all_rows = 1'000'000;  // more than there are: a recipe gives what it has
+
+/// One way to make both bases from the same snapshots. An absent p_lambda share asks for all a recipe can give.
+struct Recipe {
+    std::string name;
+    std::vector<DualBasis> members;        // seeds
+    std::optional<double> dual_share = 1;  // p_lambda / p
+    double supremizers = 0;
+    double compliance = 0;
+};
+
+Recipe nnmf_recipe(std::string name, NnmfUpdates updates) {
+    NnmfOptions options;
+    options.updates = updates;
+    return {std::move(name), {nnmf_basis(options)}};
+}
+
+Recipe random_nnmf_recipe() {
+    Recipe recipe{"NNMF, random starts", {}};
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        NnmfOptions options;
+        options.random = RandomStarts{seed, 1};
+        recipe.members.push_back(nnmf_basis(options));
+    }
+    return recipe;
+}
+
+const std::vector<Recipe>& recipes() {
+    static const std::vector<Recipe> all = [] {
+        std::vector<Recipe> list;
+        list.push_back(nnmf_recipe("NNMF", NnmfUpdates::hierarchical));
+        list.push_back(random_nnmf_recipe());
+        list.push_back(nnmf_recipe("NNMF, multiplicative", NnmfUpdates::multiplicative));
+        list.push_back(nnmf_recipe("NNMF, alternating least squares", NnmfUpdates::least_squares));
+        for (const double share : {0.1, 0.2, 0.3, 0.5})
+            list.push_back({"NNMF, supremizers", {nnmf_basis()}, 1 - share, share});
+        list.push_back({"cone-projected greedy", {cone_projected_greedy()}});
+        list.push_back({"snapshots", {snapshot_cone()}});
+        list.push_back({"all snapshots", {snapshot_cone()}, std::nullopt});
+        list.push_back({"selected rows", {selected_rows()}, 0.5});
+        list.push_back({"selected rows", {selected_rows()}, 1});
+        list.push_back({"selected rows, supremizers", {selected_rows()}, 0.5, 0.15});
+        list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.1});
+        list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.3});
+        list.push_back({"selected rows, compliance", {selected_rows()}, 1, 0, 0.3});
+        list.push_back({"NNMF, compliance", {nnmf_basis()}, 1, 0, 0.3});
+        list.push_back({"touched rows", {touched_rows()}, std::nullopt});
+        list.push_back({"singular vectors", {singular_vectors()}});
+        return list;
+    }();
+    return all;
+}
+
+/// What full runs left.
+struct Snapshots {
+    PodAccumulator primal;
+    DualSnapshots dual;
+    double seconds = 0;
+};
+
+Snapshots collect(const PaperStudy& study, const Scheme& scheme, const std::vector<Parameter>& samples,
+                  Index largest_p) {
+    const ContactFamily& family = *study.scene.family;
+    const ContactProblem first = family.at(samples.front());
+    Snapshots kept{PodAccumulator({.max_vectors = 2 * largest_p}), DualSnapshots(first.constraints())};
+    SnapshotRecorder recorder(first.size(), scheme.steps(), {}, kept.dual);
+    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    Progress progress(study.scene.name + ": full runs of the training", static_cast<double>(samples.size()));
+    kept.seconds = seconds_of([&] {
+        for (const Parameter& gamma : samples) {
+            const std::vector<Observer> record{recorder.observer()};
+            (void)run(study.scene.name, family.at(gamma), scheme, workspace, record);
+            kept.primal.add(recorder.primal());
+            progress.add(1);
+        }
+    });
+    return kept;
+}
+
+/// One integrator of a scene with its snapshots and references.
+struct Setting {
+    const PaperStudy& study;
+    std::string integrator, training;
+    Scheme scheme;
+    std::vector<Parameter> samples;
+    Snapshots snapshots;
+    const ReferenceRuns& references;
+};
+
+/// A member: one seed at one p.
+struct Member {
+    double error = 0, median = 0, penetration = 0, us_per_step = 0, training_seconds = 0, kkt = 0;
+    Index p = 0, p_lambda = 0;
+    Outcome outcome = Outcome::converged;
+};
+
+double online_seconds(const Setting& setting, const ReducedBasis& basis, const ContactFamily& reduced,
+                      ContactWorkspace& workspace, int repeats) {
+    const std::vector<Parameter>& tests = setting.references.parameters();
+    std::vector<Parameter> asked;
+    for (const long k : spread(5, static_cast<long>(tests.size())))
+        asked.push_back(tests[static_cast<std::size_t>(k)]);
+    const auto all = [&] {
+        for (const Parameter& gamma : asked)
+            (void)run(setting.study.scene.name + ", reduced", reduced.at(gamma), setting.scheme, workspace, {},
+                      march_options(basis));
+    };
+    const int loops = std::max(1, static_cast<int>(0.005 / std::max(seconds_of(all), 1e-6)));
+    const double seconds = median_seconds(repeats, [&] {
+        for (int k = 0; k < loops; ++k) all();
+    });
+    return seconds / (loops * static_cast<double>(asked.size()) * static_cast<double>(setting.scheme.steps()));
+}
+
+Member measure(const Setting& setting, const Recipe& recipe, const DualBasis& dual, Index p, int repeats) {
+    const ContactFamily& family = *setting.study.scene.family;
+    const Scheme& scheme = setting.scheme;
+    BasisRecipe wanted;
+    wanted.dual_basis = dual;
+    wanted.sizes.p = std::min(p, setting.snapshots.primal.vectors());
+    wanted.sizes.p_lambda = recipe.dual_share ? std::lround(*recipe.dual_share * static_cast<double>(p)) : all_rows;
+    wanted.supremizers.share = recipe.supremizers;
+    wanted.supremizers.linear = std::make_shared<CholmodSolver>();
+    wanted.supremizers.a = scheme.integrator ? 1.5 / scheme.grid.dt : 0;
+
+    Member member;
+    ReducedBasis basis;
+    std::unique_ptr<ContactFamily> reduced;
+    member.training_seconds = seconds_of([&] {
+        basis = compressed_basis(family.at(setting.samples.front()), setting.snapshots.primal, setting.snapshots.dual,
+                                 wanted)
+                    .basis;
+        reduced = reduce(family, basis);
+    });
+    member.p = basis.primal_size();
+    member.p_lambda = basis.dual_size();
+    ContactWorkspace workspace(std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance}));
+    const ReducedErrors errors = setting.references.errors(basis, *reduced, workspace);
+    member.outcome = errors.outcome;
+    if (errors.outcome != Outcome::converged) return member;
+    member.error = errors.worst();
+    member.median = errors.median();
+    member.penetration = errors.penetration;
+    member.kkt = errors.worst_kkt;
+    member.us_per_step = 1e6 * online_seconds(setting, basis, *reduced, workspace, repeats);
+    return member;
+}
+
+Json row_of(const Setting& setting, const Recipe& recipe, const std::vector<Index>& sizes, int repeats) {
+    std::vector<Member> members;
+    Outcome outcome = Outcome::converged;
+    for (const Index p : sizes)
+        for (const DualBasis& dual : recipe.members) {
+            throw_if_interrupted();
+            members.push_back(measure(setting, recipe, dual, p, repeats));
+            if (members.back().outcome != Outcome::converged) outcome = members.back().outcome;
+        }
+    const Member& middle = members[members.size() / 2];
+    Json row{{"scene", setting.study.scene.name},
+             {"integrator", setting.integrator},
+             {"training", setting.training},
+             {"dual_basis", recipe.name},
+             {"p", sizes[sizes.size() / 2]},
+             {"p_lambda", middle.p_lambda},
+             {"supremizer_share", recipe.supremizers},
+             {"compliance", recipe.compliance},
+             {"members", members.size()},
+             {"outcome", to_string(outcome)},
+             {"pareto", false}};
+    const bool failed = outcome != Outcome::converged;
+    const auto put = [&](const char* field, double value) { row[field] = failed ? Json() : Json(value); };
+    const auto collect = [&](double Member::*field) {
+        std::vector<double> values;
+        for (const Member& member : members) values.push_back(member.*field);
+        return values;
+    };
+    const std::vector<double> errors = collect(&Member::error);
+    double logarithms = 0;
+    for (const double error : errors) logarithms += std::log(error);
+    put("error_percent", std::exp(logarithms / static_cast<double>(errors.size())));
+    put("error_min", *std::ranges::min_element(errors));
+    put("error_max", *std::ranges::max_element(errors));
+    put("error_median", median(collect(&Member::median)));
+    const std::vector<double> penetrations = collect(&Member::penetration), residuals = collect(&Member::kkt);
+    put("penetration", *std::ranges::max_element(penetrations));
+    put("us_per_step", median(collect(&Member::us_per_step)));
+    put("training_seconds", median(collect(&Member::training_seconds)));
+    put("kkt_residual", *std::ranges::max_element(residuals));
+    return row;
+}
+
+void mark_pareto(Json& rows) {
+    for (Json& row : rows) {
+        if (row["error_percent"].is_null()) continue;
+        row["pareto"] = std::ranges::none_of(rows, [&](const Json& other) {
+            return other["scene"] == row["scene"] && other["integrator"] == row["integrator"] &&
+                   other["error_percent"].is_number() && other["us_per_step"] < row["us_per_step"] &&
+                   other["error_percent"] < row["error_percent"];
+        });
+    }
+}
+
+/// Sizes p, each with its neighbours.
+std::vector<std::vector<Index>> sizes_of(const std::string& scene, bool small) {
+    std::vector<Index> middles{40, 100, 150, 200};
+    Index step = 2, neighbours = 1;
+    if (scene == "static-obstacle") {
+        middles = small ? std::vector<Index>{5} : std::vector<Index>{10, 20};
+        step = 1;
+    } else if (scene == "two-plates") {
+        middles = small ? std::vector<Index>{12} : std::vector<Index>{20, 40, 60};
+        step = 1;
+        neighbours = small ? 1 : 2;
+    } else if (small) {
+        middles = {16};
+    }
+    if (small) neighbours = 0;
+    std::vector<std::vector<Index>> sizes;
+    for (const Index middle : middles) {
+        sizes.emplace_back();
+        for (Index k = -neighbours; k <= neighbours; ++k) sizes.back().push_back(middle + step * k);
+    }
+    return sizes;
+}
+
+bool fits(const Recipe& recipe, const PaperStudy& study, const std::string& integrator) {
+    if (study.scene.is_static()) return recipe.compliance == 0;
+    if (recipe.name == "all snapshots") return false;  // thousands
+    // The laws of impact are compared on what the diagram of the first has left.
+    return integrator == "bdf2" || recipe.name == "NNMF" || recipe.name.starts_with("selected rows");
+}
+
+struct TrainingSet {
+    std::string name;
+    std::vector<Parameter> samples;
+};
+
+std::vector<TrainingSet> training_sets(const PaperStudy& study) {
+    if (study.scene.family->names().empty()) return {{"the run itself", {Parameter()}}};
+    std::vector<TrainingSet> sets;
+    const Scheme scheme = paper_scheme(study.scene);
+    const auto greedy = [&](GridKind kind) {
+        TrainingOptions options = paper_training(study);
+        options.candidates = training_candidates(study, kind);
+        return samples_of(train_with_progress(study, {scheme.integrator, scheme.grid}, options));
+    };
+    sets.push_back({"greedy, cell-centred candidates", greedy(GridKind::cell_centred)});
+    if (!study.scene.is_static()) return sets;
+    sets.push_back({"greedy, closed candidates", greedy(GridKind::closed)});
+    sets.push_back({"all cell-centred candidates", training_candidates(study, GridKind::cell_centred)});
+    sets.push_back({"all closed candidates", training_candidates(study, GridKind::closed)});
+    return sets;
+}
+
+}  // namespace
+
+std::vector<std::string> basis_recipe_names() {
+    std::vector<std::string> names;
+    for (const Recipe& recipe : recipes())
+        if (names.empty() || names.back() != recipe.name) names.push_back(recipe.name);
+    return names;
+}
+
+Json run_bases(const BasesOptions& options) {
+    if (options.repeats < 1)
+        throw InputError("bases: repeats is " + std::to_string(options.repeats) + ", expected at least 1");
+    for (const std::string& name : options.recipes)
+        if (const auto names = basis_recipe_names(); std::ranges::find(names, name) == names.end())
+            throw InputError("bases: recipe is " + name + ", expected one of those `tact-bench bases --help` lists");
+    Json json{{"study", "bases"}, {"size", options.small ? "small" : "full"}, {"repeats", options.repeats}};
+    json["machine"] = machine();
+    json["trainings"] = Json::array();
+    json["rows"] = Json::array();
+    for (const std::string& name : wanted_scenes("bases", options.scenes)) {
+        const PaperStudy study = paper_study(name, options.small);
+        const std::vector<std::vector<Index>> sizes = sizes_of(name, options.small);
+        const std::vector<TrainingSet> sets = training_sets(study);
+        const std::vector<std::string> integrators =
+            study.scene.is_static() ? std::vector<std::string>{"none"}
+                                    : std::vector<std::string>{"bdf2", "trapezoid", "bdf2-without-jump"};
+        for (const std::string& method : integrators) {
+            Scheme scheme = paper_scheme(study.scene);
+            if (scheme.integrator) scheme.integrator = integrator(method);
+            std::vector<Parameter> seen;
+            for (const TrainingSet& set : sets) seen.insert(seen.end(), set.samples.begin(), set.samples.end());
+            const ReferenceRuns references(study.scene, scheme, without(study.tests, seen));
+            for (const TrainingSet& set : sets) {
+                const Setting setting{study,       method,
+                                      set.name,    scheme,
+                                      set.samples, collect(study, scheme, set.samples, sizes.back().back()),
+                                      references};
+                json["trainings"].push_back({{"scene", name},
+                                             {"integrator", method},
+                                             {"training", set.name},
+                                             {"samples", set.samples.size()},
+                                             {"snapshots", setting.snapshots.primal.snapshots()},
+                                             {"contact_snapshots", setting.snapshots.dual.size()},
+                                             {"test_parameters", references.parameters().size()},
+                                             {"seconds_full", setting.snapshots.seconds}});
+                std::vector<const Recipe*> chosen;
+                for (const Recipe& recipe : recipes())
+                    if (fits(recipe, study, method) &&
+                        (options.recipes.empty() ||
+                         std::ranges::find(options.recipes, recipe.name) != options.recipes.end()))
+                        chosen.push_back(&recipe);
+                Progress progress(name + ", " + method + ": bases",
+                                  static_cast<double>(chosen.size() * sizes.size()));
+                for (const Recipe* recipe : chosen)
+                    for (const std::vector<Index>& members : sizes) {
+                        json["rows"].push_back(row_of(setting, *recipe, members, options.repeats));
+                        progress.add(1);
+                    }
+            }
+        }
+    }
+    mark_pareto(json["rows"]);
+    return json;
+}
+
+}  // namespace tact::bench
