@@ -82,14 +82,15 @@ Snapshots collect(const PaperStudy& study, const Scheme& scheme, const std::vect
     const ContactFamily& family = *study.scene.family;
     const ContactProblem first = family.at(samples.front());
     Snapshots kept{PodAccumulator({.max_vectors = 2 * largest_p}), DualSnapshots(first.constraints())};
-    SnapshotRecorder recorder(first.size(), scheme.steps(), {}, kept.dual);
+    SnapshotRecorder recorder(first.size(), scheme.steps(), {}, kept.dual,
+                              [&](const Eigen::Ref<const DenseMatrix>& block) { kept.primal.add(block); });
     ContactWorkspace workspace(std::make_shared<AutomaticContact>());
     Progress progress(study.scene.name + ": full runs of the training", static_cast<double>(samples.size()));
     kept.seconds = seconds_of([&] {
         for (const Parameter& gamma : samples) {
             const std::vector<Observer> record{recorder.observer()};
             (void)run(study.scene.name, family.at(gamma), scheme, workspace, record);
-            kept.primal.add(recorder.primal());
+            recorder.flush();
             progress.add(1);
         }
     });
