@@ -228,7 +228,7 @@ std::vector<std::vector<Index>> sizes_of(const std::string& scene, bool small) {
         middles = small ? std::vector<Index>{5} : std::vector<Index>{10, 20};
         step = 1;
     } else if (scene == "two-plates") {
-        middles = small ? std::vector<Index>{12} : std::vector<Index>{20, 40, 60};
+        middles = small ? std::vector<Index>{12} : std::vector<Index>{20, 40, 80, 150};
         step = 1;
         neighbours = small ? 1 : 2;
     } else if (small) {
