@@ -107,6 +107,6 @@ function(tact_install_package)
                                 INSTALL_DESTINATION "${package}")
   write_basic_package_version_file("${PROJECT_BINARY_DIR}/tactConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
   install(FILES "${PROJECT_BINARY_DIR}/tactConfig.cmake" "${PROJECT_BINARY_DIR}/tactConfigVersion.cmake"
-                "${PROJECT_SOURCE_DIR}/cmake/FindSuiteSparse.cmake"
+                "${PROJECT_SOURCE_DIR}/cmake/FindSuiteSparse.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindSerialHDF5.cmake"
           DESTINATION "${package}")
 endfunction()

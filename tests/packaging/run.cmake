@@ -36,7 +36,7 @@ file(REMOVE_RECURSE "${FOLDER}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${FOLDER}/prefix")
 
 # A reduced run needs Eigen only.
-build_and_run(reduced "core;contact_dense;rom" SUNDIALS SuiteSparse GSL nlohmann_json GTest)
+build_and_run(reduced "core;contact_dense;rom" SUNDIALS SuiteSparse GSL SerialHDF5 nlohmann_json GTest)
 build_and_run(all "${COMPONENTS}")
 
 configure(refused "contact" SuiteSparse)
