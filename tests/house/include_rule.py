@@ -10,7 +10,7 @@ from sources import ROOT, sources
 COMPONENTS = {
     "lib/scenes": "scenes", "lib/io": "io", "lib/sparse": "sparse", "lib": "core",
     "contact/dense": "contact_dense", "contact": "contact", "integrators": "integrators",
-    "rom/training": "rom_training", "rom": "rom",
+    "rom/training": "rom_training", "rom/file": "rom_file", "rom": "rom",
     "bench": "bench", "tests": "tests", "python": "python", "examples": "examples",
 }
 LIB = {"core", "scenes", "io", "sparse"}
@@ -19,6 +19,7 @@ MAY_INCLUDE = {
     "core": {"core"}, "scenes": {"core", "scenes"}, "io": {"core", "io"}, "sparse": {"core", "sparse"},
     "contact_dense": {"core", "contact_dense"}, "contact": LIB | {"contact", "contact_dense"},
     "integrators": LIB | {"integrators"}, "rom": LIB | {"rom"}, "rom_training": LIB | {"rom", "rom_training"},
+    "rom_file": LIB | {"rom", "rom_file"},
 }
 OUTER = {"bench", "python", "examples"}
 
@@ -144,7 +145,7 @@ PLANTED = [
     ("contact/dense/a.cpp", '"tact/contact/a.hpp"'), ("contact/dense/a.cpp", '"tact/lib/sparse/a.hpp"'),
     ("integrators/a.cpp", '"tact/contact/a.hpp"'), ("integrators/a.cpp", "<nvector/nvector_serial.h>"),
     ("integrators/a.hpp", '"tact/integrators/sundials/a.hpp"'), ("bench/a.cpp", '"tact/integrators/sundials/a.hpp"'),
-    ("rom/a.cpp", '"tact/rom/training/a.hpp"'), ("rom/a.cpp", '"tact/contact/dense/a.hpp"'), ("rom/a.cpp", "<gsl/gsl_qrng.h>"),
+    ("rom/a.cpp", '"tact/rom/training/a.hpp"'), ("rom/a.cpp", '"tact/rom/file/a.hpp"'), ("rom/file/a.cpp", "<hdf5.h>"), ("rom/a.cpp", '"tact/contact/dense/a.hpp"'), ("rom/a.cpp", "<gsl/gsl_qrng.h>"),
     ("rom/training/a.hpp", "<gsl/gsl_qrng.h>"), ("rom/training/a.cpp", '"tact/integrators/a.hpp"'),
     ("rom/a.cpp", '"tact/bench/a.hpp"'), ("tests/contact/a.cpp", '"tact/bench/a.hpp"'), ("bench/a.cpp", '"tact/examples/a.hpp"'),
     ("contact/a.hpp", "<CLI/CLI.hpp>"), ("integrators/sundials/a.cpp", "<klu.h>"), ("lib/a.hpp", '"tact/tests/contact/a.hpp"'),
