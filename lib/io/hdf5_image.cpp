@@ -49,6 +49,9 @@ private:
     void* data_ = nullptr;
 };
 
+/// The library refuses to open an image under the name of a file that exists: none can exist here.
+constexpr const char* no_file = "/dev/null/image";
+
 Handle in_memory() {
     Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     constexpr std::size_t growth = std::size_t{1} << 20;
@@ -83,7 +86,7 @@ struct Hdf5Writer::File {
 };
 
 Hdf5Writer::Hdf5Writer()
-    : file_(new File{{}, {H5Fcreate("image", H5F_ACC_TRUNC, H5P_DEFAULT, in_memory()), H5Fclose}}) {
+    : file_(new File{{}, {H5Fcreate(no_file, H5F_ACC_TRUNC, H5P_DEFAULT, in_memory()), H5Fclose}}) {
     if (!file_->file.valid()) throw NumericalError("Hdf5Writer: the library cannot make a file in memory");
 }
 Hdf5Writer::~Hdf5Writer() = default;
@@ -136,7 +139,7 @@ struct Hdf5Reader::File {
         const Handle access = in_memory();
         if (image.empty() || H5Pset_file_image(access, image.data(), image.size()) < 0)
             reject("the file is empty, expected an HDF5 file");
-        Handle opened(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
+        Handle opened(H5Fopen(no_file, H5F_ACC_RDONLY, access), H5Fclose);
         if (!opened.valid()) reject("the library cannot read it, expected an HDF5 file");
         return opened;
     }
@@ -149,8 +152,8 @@ struct Hdf5Reader::File {
         const Handle space(H5Dget_space(found), H5Sclose);
         const int dimensions = H5Sget_simple_extent_ndims(space);
         if (H5Tget_class(type) != kind || dimensions != rank)
-            reject("array " + name + " has another type or " + std::to_string(dimensions) +
-                   " dimensions, expected " + std::to_string(rank));
+            reject("array " + name + " has another type or " + std::to_string(dimensions) + " dimensions, expected " +
+                   std::to_string(rank));
         std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
         H5Sget_simple_extent_dims(space, extents.data(), nullptr);
         return {std::move(found), std::move(extents)};
