@@ -1,0 +1,147 @@
+#include "tact/rom/static_error_bound.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tact/contact/automatic.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
+#include "tact/lib/scenes/membrane.hpp"
+#include "tact/lib/sparse/cholmod_solver.hpp"
+#include "tact/rom/chebyshev_series.hpp"
+#include "tact/rom/reduce.hpp"
+#include "tact/rom/training/greedy.hpp"
+#include "tact/rom/training/sampling.hpp"
+
+namespace tact {
+namespace {
+
+double energy_norm(const Matrix& K, const Vector& x) { return std::sqrt(std::max(0.0, x.dot(K * x))); }
+
+TEST(StaticErrorBound, IsAboveTheErrorOfTheFullSolutionAtHundredsOfParameters) {
+    const MembraneFamily family(24);
+    for (const int samples : {3, 10}) {
+        TrainingOptions options;
+        options.max_iterations = samples;
+        options.candidates = tensor_grid(family.lower(), family.upper(), {6, 5});
+        const TrainingResult trained =
+            train(family, {}, {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
+        ContactWorkspace contact(std::make_shared<AutomaticContact>()), reduced(std::make_shared<DenseContact>());
+        const StaticErrorBound bound(family, trained.basis, CholmodSolver(), contact);
+        std::vector<double> effectivity;
+        for (const Parameter& gamma : spread_points(family.lower(), family.upper(), 150)) {
+            const ContactProblem full = family.at(gamma);
+            const StaticSolution u = solve_static(full, contact);
+            const StaticSolution q = solve_static(trained.reduced->at(gamma), reduced);
+            const double error = energy_norm(full.K, u.u - trained.basis.U * q.u);
+            const EnergyBound at = bound(gamma, q.u, q.lambda);
+            EXPECT_GE(at.error, error);
+            EXPECT_LE(at.error, at.residual + at.correction + std::sqrt(at.gap));
+            effectivity.push_back(at.error / error);
+        }
+        std::sort(effectivity.begin(), effectivity.end());
+        EXPECT_LT(effectivity[75], 20);
+    }
+}
+
+/// Random programmes: no structure, any sign in B, a load that presses some rows.
+class RandomFamily final : public ContactFamily {
+public:
+    RandomFamily(unsigned seed, Index n, Index m) : random_(seed) {
+        const DenseMatrix X = numbers(n, n);
+        problem_.K = Matrix(DenseMatrix(X * X.transpose() + 0.1 * DenseMatrix::Identity(n, n)));
+        problem_.B = Matrix(numbers(m, n));
+        problem_.f = Vector(numbers(n, 1));
+        problem_.c = Vector(numbers(m, 1));
+        slope_ = numbers(m, 1);
+    }
+    DenseMatrix numbers(Index rows, Index cols) {
+        std::normal_distribution<double> normal;
+        return DenseMatrix::NullaryExpr(rows, cols, [&] { return normal(random_); });
+    }
+    std::vector<std::string> names() const override { return {"gamma"}; }
+    Parameter lower() const override { return Vector::Constant(1, -1); }
+    Parameter upper() const override { return Vector::Ones(1); }
+    ContactProblem at(const Parameter& gamma) const override {
+        ContactProblem problem = problem_;
+        problem.c.modes += gamma[0] * slope_;
+        return problem;
+    }
+    void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            out[static_cast<Index>(k)] = problem_.c.modes(rows[k], 0) + gamma[0] * slope_[rows[k]];
+    }
+
+private:
+    std::mt19937 random_;
+    ContactProblem problem_;
+    Vector slope_;
+};
+
+TEST(StaticErrorBound, IsAboveTheErrorOnRandomProgrammesForAnyMultipliersAndStates) {
+    int contacts = 0, finite = 0, total = 0;
+    for (unsigned seed = 1; seed <= 60; ++seed) {
+        RandomFamily family(seed, 12, 7);
+        const ReducedBasis basis{family.numbers(12, 5), family.numbers(7, 3).cwiseAbs()};
+        ContactWorkspace contact(std::make_shared<DenseContact>());
+        const StaticErrorBound bound(family, basis, DenseLinearSolver(), contact);
+        const auto reduced = reduce(family, basis);
+        for (const double at : {-1.0, -0.3, 0.4, 0.9}) {
+            const Parameter gamma = Vector::Constant(1, at);
+            const ContactProblem full = family.at(gamma);
+            const StaticSolution u = solve_static(full, contact);
+            ASSERT_EQ(u.report.outcome, Outcome::converged);
+            contacts += u.report.active > 0;
+            const StaticSolution q = solve_static(reduced->at(gamma), contact);
+            std::vector<std::pair<Vector, Vector>> answers{{family.numbers(5, 1), family.numbers(3, 1).cwiseAbs()}};
+            if (q.report.outcome == Outcome::converged) answers.emplace_back(q.u, q.lambda);
+            for (const auto& [state, multipliers] : answers) {
+                const double found = bound(gamma, state, multipliers).error;
+                EXPECT_GE(found * (1 + 1e-10), energy_norm(full.K, u.u - basis.U * state));
+                finite += found < infinity;
+                ++total;
+            }
+        }
+    }
+    EXPECT_GT(contacts, 200);
+    EXPECT_GT(finite, total * 9 / 10);
+}
+
+TEST(StaticErrorBound, IsTheErrorWhereNothingTouches) {
+    RandomFamily family(7, 12, 7);
+    const ContactProblem full = family.at(Vector::Zero(1));
+    class Low final : public ContactFamily {
+    public:
+        explicit Low(ContactProblem problem) : problem_(std::move(problem)) { problem_.c.modes.array() -= 1000; }
+        std::vector<std::string> names() const override { return {}; }
+        Parameter lower() const override { return {}; }
+        Parameter upper() const override { return {}; }
+        ContactProblem at(const Parameter&) const override { return problem_; }
+        void gap(const Parameter&, std::span<const Index> rows, VectorRef out) const override {
+            for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = problem_.c.modes(rows[k], 0);
+        }
+
+    private:
+        ContactProblem problem_;
+    };
+    const Low low(full);
+    const ReducedBasis basis{family.numbers(12, 5), family.numbers(7, 3).cwiseAbs()};
+    ContactWorkspace contact(std::make_shared<DenseContact>());
+    const StaticErrorBound bound(low, basis, DenseLinearSolver(), contact);
+    const Vector q = solve_static(reduce(low.at({}), basis), contact).u;
+    const double error = energy_norm(full.K, solve_static(low.at({}), contact).u - basis.U * q);
+    EXPECT_NEAR(bound({}, q, Vector::Zero(3)).error, error, 1e-10 * error);
+}
+
+TEST(StaticErrorBound, RefusesWhatItCannotBound) {
+    const MembraneFamily moving(5, Motion::dynamic), still(5);
+    const ReducedBasis basis{DenseMatrix::Ones(25, 1), DenseMatrix::Ones(25, 1)};
+    ContactWorkspace contact(std::make_shared<AutomaticContact>());
+    EXPECT_THROW(StaticErrorBound(moving, basis, CholmodSolver(), contact), InputError);
+    const StaticErrorBound bound(still, basis, CholmodSolver(), contact);
+    EXPECT_THROW((void)bound(still.lower(), Vector::Zero(2), Vector::Zero(1)), InputError);
+    EXPECT_THROW((void)bound(still.lower(), Vector::Zero(1), Vector::Constant(1, -1)), InputError);
+}
+
+}  // namespace
+}  // namespace tact
