@@ -6,6 +6,9 @@
 #include "tact/bench/bases.hpp"
 #include "tact/bench/case.hpp"
 #include "tact/bench/contact_solvers.hpp"
+#include "tact/bench/downsampling.hpp"
+#include "tact/bench/greedy_study.hpp"
+#include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/qp.hpp"
 #include "tact/bench/report.hpp"
@@ -91,6 +94,12 @@ struct StudyArguments {
     std::string out = "results";
 };
 
+/// The folder is tried before the study begins, not when hours have gone into it.
+void add_out_option(CLI::App& command, std::string& out) {
+    command.add_option("--out", out, "Folder of the results")->capture_default_str();
+    command.parse_complete_callback([&out] { check_out_folder(out); });
+}
+
 void add_study_options(CLI::App& command, StudyArguments& arguments) {
     command.add_option("--size", arguments.size, "full: the paper's grids; small: minutes become seconds")
         ->check(CLI::IsMember({"full", "small"}))
@@ -98,7 +107,7 @@ void add_study_options(CLI::App& command, StudyArguments& arguments) {
     command.add_option("--repeats", arguments.repeats, "Runs a time is the median of")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
-    command.add_option("--out", arguments.out, "Folder of the results")->capture_default_str();
+    add_out_option(command, arguments.out);
 }
 
 void add_speedup(CLI::App& app) {
@@ -154,7 +163,7 @@ void add_stability(CLI::App& app) {
         ->capture_default_str();
     command->add_option("--groups", arguments->groups, "step,stiffness,ratio,gap,speed,... (all)")->delimiter(',');
     command->add_option("--integrators", arguments->integrators, "As case takes them, with blanks between (all)");
-    command->add_option("--out", arguments->out, "Folder of the results")->capture_default_str();
+    add_out_option(*command, arguments->out);
     command->callback([arguments] {
         const Json json = run_stability({arguments->size == "small", arguments->groups, arguments->integrators});
         std::cout << stability_table(json) << std::flush;
@@ -208,6 +217,35 @@ void add_bases(CLI::App& app) {
     });
 }
 
+/// A study with nothing to choose but its size and scenes.
+struct PlainStudy {
+    const char* name;
+    const char* about;
+    Json (*run)(const StudyOptions& options);
+    std::string (*table)(const Json& json);
+    std::string (*markdown)(const Json& json);
+};
+
+void add_plain_study(CLI::App& app, const PlainStudy& study) {
+    struct Arguments {
+        std::string size = "full", out = "results";
+        std::vector<std::string> scenes;
+    };
+    const auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand(study.name, study.about);
+    command->add_option("--size", arguments->size, "full: the paper's grids; small: minutes become seconds")
+        ->check(CLI::IsMember({"full", "small"}))
+        ->capture_default_str();
+    command->add_option("--scenes", arguments->scenes, "Those wanted of the study's scenes (all)")->delimiter(',');
+    add_out_option(*command, arguments->out);
+    command->callback([arguments, study] {
+        const Json json = study.run({arguments->size == "small", arguments->scenes});
+        std::cout << study.table(json) << std::flush;
+        write_study(arguments->out, study.name, json, study.markdown(json));
+        std::cout << "written: " << study.name << ".json, .md and .svg in " << arguments->out << "\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
@@ -217,6 +255,12 @@ int run(int argc, char** argv) {
     add_solvers(app);
     add_stability(app);
     add_work_precision(app);
+    add_plain_study(app, {"greedy", "Figures 3 and 6: convergence of the greedy search, by every indicator",
+                          run_greedy, greedy_table, greedy_markdown});
+    add_plain_study(app, {"histories", "Figures 4, 5, 7, 8, 9, 11, 12: slices, time histories, surfaces",
+                          run_histories, histories_table, histories_markdown});
+    add_plain_study(app, {"downsampling", "Figure 13: reduced plates from fewer snapshots in time", run_downsampling,
+                          downsampling_table, downsampling_markdown});
     add_case(app, code);
     add_qp(app, code);
     try {

@@ -81,8 +81,9 @@ TrainingOptions paper_training(const PaperStudy& study) {
     return options;
 }
 
-TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options) {
-    Progress progress(study.scene.name + ": training", options.max_iterations);
+TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options,
+                                   const std::string& label) {
+    Progress progress(study.scene.name + ": " + label, options.max_iterations);
     options.observer = [&progress](const TrainingProgress& at) {
         if (interrupted()) return Flow::stop;
         // The bar moves with the full runs and the candidates, which take most of an iteration.
@@ -96,8 +97,9 @@ TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod
                                   {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
     throw_if_interrupted();
     if (result.outcome != Outcome::converged)
-        throw NumericalError(study.scene.name + ": training: " + std::string(to_string(result.reason)) + " at step " +
-                             std::to_string(result.failed_step) + " with " + std::string(to_string(result.outcome)));
+        throw NumericalError(study.scene.name + ": " + label + ": " + std::string(to_string(result.reason)) +
+                             " at step " + std::to_string(result.failed_step) + " with " +
+                             std::string(to_string(result.outcome)));
     return result;
 }
 

@@ -32,7 +32,8 @@ std::vector<Parameter> training_candidates(const PaperStudy& study, GridKind kin
 TrainingOptions paper_training(const PaperStudy& study);
 
 /// train() with a progress bar, ended by a signal. NumericalError where training fails; Interrupted.
-TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options);
+TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options,
+                                   const std::string& label = "training");
 
 /// The parameters training sampled, in their order.
 std::vector<Parameter> samples_of(const TrainingResult& trained);

@@ -82,6 +82,13 @@ int execute(std::vector<std::string> words) {
 
 }  // namespace
 
+void check_out_folder(const std::filesystem::path& out) {
+    const std::filesystem::path probe = out / ".tact-bench";
+    write_file(probe, "");
+    std::error_code ignored;
+    std::filesystem::remove(probe, ignored);
+}
+
 void write_study(const std::filesystem::path& out, const std::string& name, const Json& json,
                  const std::string& markdown) {
     const std::filesystem::path data = out / (name + ".json"), figure = out / (name + ".svg");

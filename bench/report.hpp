@@ -20,6 +20,9 @@ std::string table(const std::vector<std::vector<std::string>>& rows);
 /// One line: processor, compiler, flags, date.
 std::string machine_line(const Json& machine);
 
+/// Makes the folder if it is missing and tries a file in it. InputError that names it if it cannot be written.
+void check_out_folder(const std::filesystem::path& out);
+
 /// OUT/NAME.json and .md, then .svg by bench/plots/NAME.py, which reads nothing but the json; each whole or not at all.
 /// NumericalError that says what to do if the figure cannot be drawn (json and md are then there).
 void write_study(const std::filesystem::path& out, const std::string& name, const Json& json,

@@ -58,6 +58,17 @@ TEST(Speedup, RejectsBadInput) {
     EXPECT_THROW(run_speedup({.small = true, .scenes = {"plates"}}), InputError);
 }
 
+TEST(WriteStudy, AFolderThatCannotBeWrittenIsRefusedAtTheDoor) {
+    const auto folder = std::filesystem::path(testing::TempDir()) / "tact_door";
+    std::filesystem::remove_all(folder);
+    check_out_folder(folder / "new" / "deep");
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "new" / "deep"));
+    write_file(folder / "file", "in the way");
+    EXPECT_THROW(check_out_folder(folder / "file"), InputError);
+    EXPECT_THROW(check_out_folder(folder / "file" / "below"), InputError);
+    std::filesystem::remove_all(folder);
+}
+
 TEST(WriteStudy, AFigureThatCannotBeDrawnLeavesTheDataAndSaysSo) {
     const auto folder = std::filesystem::path(testing::TempDir()) / "tact_write_study";
     std::filesystem::remove_all(folder);
