@@ -16,6 +16,7 @@
 #include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
 #include "tact/bench/stability.hpp"
+#include "tact/bench/studies.hpp"
 #include "tact/bench/work_precision.hpp"
 #include "tact/bench/work_precision_scenes.hpp"
 #include "tact/lib/errors.hpp"
@@ -246,6 +247,37 @@ void add_plain_study(CLI::App& app, const PlainStudy& study) {
     });
 }
 
+void add_all(CLI::App& app, int& code) {
+    struct Arguments : StudyArguments {
+        bool force = false;
+        std::vector<std::string> only;
+    };
+    CLI::App* command = app.add_subcommand("all", "Every study in turn, those that are there kept, and their page");
+    const auto arguments = std::make_shared<Arguments>();
+    add_study_options(*command, *arguments);
+    command->add_flag("--force", arguments->force, "Run finished studies again");
+    std::string names;
+    for (const Study& study : studies()) names += (names.empty() ? "" : ",") + study.name;
+    command->add_option("--only", arguments->only, names + " (all)")->delimiter(',');
+    command->callback([arguments, &code] {
+        const AllOptions options{
+            {arguments->size == "small", arguments->repeats}, arguments->out, arguments->force, arguments->only};
+        if (run_all(options) > 0) code = 1;
+        write_page(options.out);
+        std::cout << "written: " << (options.out / "index.html").string() << "\n";
+    });
+}
+
+void add_report(CLI::App& app) {
+    const auto results = std::make_shared<std::string>("results");
+    CLI::App* command = app.add_subcommand("report", "index.html: one page of the studies in a folder");
+    add_out_option(*command, *results);
+    command->callback([results] {
+        write_page(*results);
+        std::cout << "written: " << *results << "/index.html\n";
+    });
+}
+
 int run(int argc, char** argv) {
     CLI::App app("Full and reduced contact problems, measured");
     app.require_subcommand(1);
@@ -261,6 +293,8 @@ int run(int argc, char** argv) {
                           run_histories, histories_table, histories_markdown});
     add_plain_study(app, {"downsampling", "Figure 13: reduced plates from fewer snapshots in time", run_downsampling,
                           downsampling_table, downsampling_markdown});
+    add_all(app, code);
+    add_report(app);
     add_case(app, code);
     add_qp(app, code);
     try {

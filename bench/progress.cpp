@@ -21,8 +21,20 @@ std::string duration(double seconds) {
     return std::to_string(s / 60) + " min " + std::to_string(s % 60) + " s";
 }
 
+namespace {
+
+std::string& part_name() {
+    static std::string name;
+    return name;
+}
+
+}  // namespace
+
+ProgressPart::ProgressPart(std::string name) { part_name() = std::move(name) + ": "; }
+ProgressPart::~ProgressPart() { part_name().clear(); }
+
 Progress::Progress(std::string label, double total, ProgressStyle style)
-    : label_(std::move(label)),
+    : label_(part_name() + label),
       total_(total),
       shown_at_(style.quiet - style.every),
       style_(style),

@@ -40,6 +40,15 @@ private:
     std::chrono::steady_clock::time_point start_;
 };
 
+/// While it lives, every bar says what part of a longer work it belongs to.
+class ProgressPart {
+public:
+    explicit ProgressPart(std::string name);
+    ProgressPart(const ProgressPart&) = delete;
+    ProgressPart& operator=(const ProgressPart&) = delete;
+    ~ProgressPart();
+};
+
 /// "41 s", "2 min 5 s".
 std::string duration(double seconds);
 

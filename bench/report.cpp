@@ -91,24 +91,27 @@ void check_out_folder(const std::filesystem::path& out) {
 
 void write_study(const std::filesystem::path& out, const std::string& name, const Json& json,
                  const std::string& markdown) {
-    const std::filesystem::path data = out / (name + ".json"), figure = out / (name + ".svg");
+    const std::filesystem::path data = out / (name + ".json");
     write_file(data, json.dump(2) + "\n");
     write_file(out / (name + ".md"), markdown);
-
     std::string script = name;
     std::ranges::replace(script, '-', '_');  // a name that Python can import
-    script = std::string(TACT_BENCH_FOLDER) + "/plots/" + script + ".py";
-    const std::filesystem::path part = figure.string() + ".part";
-    const int code = execute({TACT_PYTHON, "-B", script, data.string(), part.string()});
+    draw(script, data, out / (name + ".svg"), "needs python3-matplotlib; " + data.string() + " is complete");
+}
+
+void draw(const std::string& script, const std::filesystem::path& input, const std::filesystem::path& file,
+          const std::string& hint) {
+    const std::string path = std::string(TACT_BENCH_FOLDER) + "/plots/" + script + ".py";
+    const std::filesystem::path part = file.string() + ".part";
+    const int code = execute({TACT_PYTHON, "-B", path, input.string(), part.string()});
     std::error_code error;
-    if (code == 0) std::filesystem::rename(part, figure, error);
+    if (code == 0) std::filesystem::rename(part, file, error);
     if (code == 0 && !error) return;
     std::error_code ignored;
     std::filesystem::remove(part, ignored);
     throw_if_interrupted();
-    throw NumericalError("plots: " + figure.string() + " could not be drawn (exit code " + std::to_string(code) +
-                         "): " + TACT_PYTHON + " " + script + " needs python3-matplotlib; " + data.string() +
-                         " is complete");
+    throw NumericalError("plots: " + file.string() + " could not be made (exit code " + std::to_string(code) +
+                         "): " + TACT_PYTHON + " " + path + " " + hint);
 }
 
 }  // namespace tact::bench

@@ -28,4 +28,8 @@ void check_out_folder(const std::filesystem::path& out);
 void write_study(const std::filesystem::path& out, const std::string& name, const Json& json,
                  const std::string& markdown);
 
+/// bench/plots/SCRIPT.py run on an input to make a file, whole or not at all. NumericalError, which says `hint`, if it fails.
+void draw(const std::string& script, const std::filesystem::path& input, const std::filesystem::path& file,
+          const std::string& hint);
+
 }  // namespace tact::bench
