@@ -30,6 +30,10 @@ StaticErrorBound::StaticErrorBound(const ContactFamily& family, const ReducedBas
     X.rightCols(m) = W_;
     B_U_ = full.B.times(basis.U);
     B_W_ = full.B.times(W_);
+    for (const Index row : rows_)
+        if (patch_[static_cast<std::size_t>(row)] >= 0) touched_.push_back(row);
+    U_lambda_ = U_lambda_(touched_, Eigen::all).eval();
+    work_ = U_lambda_.transpose() * B_W_(touched_, Eigen::all);
     factor_energy(full, X);
 }
 
@@ -122,7 +126,9 @@ EnergyBound StaticErrorBound::operator()(const Parameter& gamma, const ConstVect
     const Vector energy_rho = energy_ * rho, energy_z = energy_ * z;
     bound.residual = energy_rho.norm();
     bound.correction = energy_z.norm();
-    bound.gap = std::max(0.0, (U_lambda_ * s).dot(B_W_ * height - violation));
+    // s'U_lambda'(B (U q + z) - c), on the rows where U_lambda is not zero.
+    const Vector distance = work_ * height - U_lambda_.transpose() * violation(touched_);
+    bound.gap = std::max(0.0, s.dot(distance));
     bound.error =
         (energy_z - energy_rho).norm() / 2 + std::sqrt((energy_z + energy_rho).squaredNorm() / 4 + bound.gap);
     return bound;

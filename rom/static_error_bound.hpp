@@ -43,9 +43,11 @@ private:
     void factor_energy(const ContactProblem& full, const DenseMatrix& X);
 
     const ContactFamily& family_;
-    DenseMatrix U_lambda_;
-    std::vector<Index> rows_;   // all of them
-    std::vector<Index> patch_;  // of each row: its lift, or -1
+    std::vector<Index> rows_;     // all of them
+    std::vector<Index> patch_;    // of each row: its lift, or -1
+    std::vector<Index> touched_;  // the rows that have one
+    DenseMatrix U_lambda_;        // on these
+    DenseMatrix work_;            // U_lambda'B W
     DenseMatrix W_, B_U_, B_W_;
     DenseMatrix energy_;  // R with |X y|_K = |R y|, X = [U, K^-1 f, K^-1 B'U_lambda, W]
 };
