@@ -10,6 +10,7 @@
 #include "tact/bench/greedy_study.hpp"
 #include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
+#include "tact/bench/online.hpp"
 #include "tact/bench/qp.hpp"
 #include "tact/bench/report.hpp"
 #include "tact/bench/scenes.hpp"
@@ -293,6 +294,8 @@ int run(int argc, char** argv) {
                           run_histories, histories_table, histories_markdown});
     add_plain_study(app, {"downsampling", "Figure 13: reduced plates from fewer snapshots in time", run_downsampling,
                           downsampling_table, downsampling_markdown});
+    add_plain_study(app, {"online", "Stored models: what a query costs, how far it can be trusted", run_online,
+                          online_table, online_markdown});
     add_all(app, code);
     add_report(app);
     add_case(app, code);

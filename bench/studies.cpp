@@ -10,6 +10,7 @@
 #include "tact/bench/greedy_study.hpp"
 #include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
+#include "tact/bench/online.hpp"
 #include "tact/bench/progress.hpp"
 #include "tact/bench/report.hpp"
 #include "tact/bench/solvers.hpp"
@@ -53,6 +54,11 @@ const std::vector<Study>& studies() {
              return run_downsampling({size.small, {}});
          },
          downsampling_markdown},
+        {"online",
+         [](const StudySize& size) {
+             return run_online({size.small, {}});
+         },
+         online_markdown},
     };
     return all;
 }
