@@ -10,6 +10,7 @@
 #include "tact/bench/greedy_study.hpp"
 #include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
+#include "tact/bench/omission.hpp"
 #include "tact/bench/online.hpp"
 #include "tact/bench/qp.hpp"
 #include "tact/bench/report.hpp"
@@ -296,6 +297,8 @@ int run(int argc, char** argv) {
                           downsampling_table, downsampling_markdown});
     add_plain_study(app, {"online", "Stored models: what a query costs, how far it can be trusted", run_online,
                           online_table, online_markdown});
+    add_plain_study(app, {"omission", "What each scene leaves out, and what that saves", run_omission, omission_table,
+                          omission_markdown});
     add_all(app, code);
     add_report(app);
     add_case(app, code);

@@ -10,6 +10,7 @@
 #include "tact/bench/greedy_study.hpp"
 #include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
+#include "tact/bench/omission.hpp"
 #include "tact/bench/online.hpp"
 #include "tact/bench/progress.hpp"
 #include "tact/bench/report.hpp"
@@ -20,6 +21,13 @@
 #include "tact/lib/errors.hpp"
 
 namespace tact::bench {
+
+namespace {
+
+/// Of a study with nothing to choose but its size and scenes.
+template <Json (*run)(const StudyOptions&)> Json plain(const StudySize& size) { return run({size.small, {}}); }
+
+}  // namespace
 
 const std::vector<Study>& studies() {
     static const std::vector<Study> all{
@@ -39,26 +47,11 @@ const std::vector<Study>& studies() {
         {"bases",
          [](const StudySize& size) { return run_bases({.small = size.small, .repeats = std::min(size.repeats, 3)}); },
          bases_markdown},
-        {"greedy",
-         [](const StudySize& size) {
-             return run_greedy({size.small, {}});
-         },
-         greedy_markdown},
-        {"histories",
-         [](const StudySize& size) {
-             return run_histories({size.small, {}});
-         },
-         histories_markdown},
-        {"downsampling",
-         [](const StudySize& size) {
-             return run_downsampling({size.small, {}});
-         },
-         downsampling_markdown},
-        {"online",
-         [](const StudySize& size) {
-             return run_online({size.small, {}});
-         },
-         online_markdown},
+        {"online", plain<run_online>, online_markdown},
+        {"omission", plain<run_omission>, omission_markdown},
+        {"greedy", plain<run_greedy>, greedy_markdown},
+        {"histories", plain<run_histories>, histories_markdown},
+        {"downsampling", plain<run_downsampling>, downsampling_markdown},
     };
     return all;
 }

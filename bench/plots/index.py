@@ -244,7 +244,10 @@ def claims(results):
                          "paper": number(row["paper_speedup"], 4), "ours": times(ours),
                          "reproduced": "yes" if ours >= row["paper_speedup"] else "no", "study": "speedup"})
     for study, data in results.data.items():
-        rows += [{**claim, "study": study} for claim in data.get("claims", [])]
+        for claim in data.get("claims", []):
+            scene = f"{claim['scene']}: " if "scene" in claim else ""
+            rows.append({"claim": scene + claim["claim"], "paper": claim.get("paper"), "ours": claim.get("ours", claim.get("figure")),
+                         "reproduced": "yes" if claim.get("holds") else "no", "study": study})
     return rows
 
 
@@ -311,6 +314,7 @@ def page(results):
          figure("tradeoff", "Full models over grid and step, reduced models over p, against one fine reference.") +
          precision + figure("work-precision", "Every integrator, over its steps or tolerances.") +
          figure("bases", "Every dual basis; dotted the front of error against online time.") +
+         figure("online", "Stored models: what a query costs and how far it can be trusted.") +
          figure("training", "What training costs, and from how many queries on it pays.")),
         ("stability", "Stability on stiff and extreme cases",
          figure("stability", "Every integrator on every case: right, or honestly ended, or what goes wrong.")),

@@ -1,0 +1,12 @@
+// A program that asks a static reduced model held in memory: core, contact_dense and rom.
+#include <cstdio>
+
+#include "tact/bench/programs/reduced_chain.hpp"
+#include "tact/lib/stage.hpp"
+
+int main() {
+    tact::ContactWorkspace workspace(std::make_shared<tact::DenseContact>());
+    const tact::StaticSolution s = tact::solve_static(tact::bench::reduced_chain(false), workspace);
+    std::printf("%d rows in contact, KKT residual %.0e\n", static_cast<int>(s.report.active), s.report.kkt.largest());
+    return s.report.outcome == tact::Outcome::converged && s.report.active == 1 ? 0 : 1;
+}
