@@ -90,21 +90,20 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
         return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
     if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
         return {Strategy::dense, "small or dense"};
-    if (B.rows() > 0) {
-        const RowShape rows = shape_of(B);
-        const MatrixFacts facts = matrix_facts(A);
-        const bool sor = rows.bounds && may(Strategy::colour_sor);
-        const bool cg = rows.disjoint && A.rows() > cheap_to_factor && may(Strategy::projected_cg);
-        if (sor && facts.well_conditioned(A, options.sweepable))
-            return {Strategy::colour_sor, "well-conditioned A, bounds"};
-        if (cg && facts.well_conditioned(A, options.well_conditioned))
-            return {Strategy::projected_cg, "well-conditioned A, rows that do not overlap"};
-        if (rows.bounds && facts.m_matrix && facts.positive_diagonal && may(Strategy::multigrid_active_set))
-            return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
-        if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
-            may(Strategy::interior_point))
-            return {Strategy::interior_point, "many rows that overlap"};
-    }
+    const RowShape rows = shape_of(B);
+    const MatrixFacts facts = matrix_facts(A);
+    const bool sor = rows.bounds && may(Strategy::colour_sor);
+    const bool cg = rows.disjoint && A.rows() > cheap_to_factor && may(Strategy::projected_cg);
+    if (sor && facts.well_conditioned(A, options.sweepable))
+        return {Strategy::colour_sor, "well-conditioned A, bounds"};
+    if (cg && facts.well_conditioned(A, options.well_conditioned))
+        return {Strategy::projected_cg, "well-conditioned A, rows that do not overlap"};
+    if (B.rows() > 0 && rows.bounds && facts.m_matrix && facts.positive_diagonal &&
+        may(Strategy::multigrid_active_set))
+        return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
+    if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
+        may(Strategy::interior_point))
+        return {Strategy::interior_point, "many rows that overlap"};
     if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};
     if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "what the options leave"};
     throw InputError("AutomaticContact: options.never leaves no strategy for A " + A.shape() + " and B " + B.shape());
