@@ -84,7 +84,9 @@ std::string greedy_markdown(const Json& json) {
     text +=
         "The worst error over test parameters that are no candidates, eqs. 16 and 17 as printed: a ratio of squared "
         "norms, in %. Columns are the weights (alpha_1, alpha_2, alpha_3) of the indicator, eq. 14; *true error* "
-        "chooses by the error itself at all candidates, which no real training can afford.\n\n";
+        "chooses by the error itself at all candidates, which no real training can afford. Candidates lie in the "
+        "middle of equal cells, as the paper's must, for which (0.6, 0.6) is no candidate; *closed grid*: as many, "
+        "with the faces of the box among them.\n\n";
     for (const std::string& scene : scenes_of(rows)) {
         const auto row = std::ranges::find_if(rows, [&](const Json& each) { return each["scene"] == scene; });
         text += "## " + scene + ": " + (*row)["test_parameters"].dump() + " test parameters\n\n" +

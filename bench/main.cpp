@@ -19,6 +19,7 @@
 #include "tact/bench/speedup.hpp"
 #include "tact/bench/stability.hpp"
 #include "tact/bench/studies.hpp"
+#include "tact/bench/training_study.hpp"
 #include "tact/bench/work_precision.hpp"
 #include "tact/bench/work_precision_scenes.hpp"
 #include "tact/lib/errors.hpp"
@@ -299,6 +300,8 @@ int run(int argc, char** argv) {
                           online_table, online_markdown});
     add_plain_study(app, {"omission", "What each scene leaves out, and what that saves", run_omission, omission_table,
                           omission_markdown});
+    add_plain_study(app, {"training", "What training costs by part, and when it has paid", run_training,
+                          training_table, training_markdown});
     add_all(app, code);
     add_report(app);
     add_case(app, code);

@@ -84,8 +84,8 @@ TrainingOptions paper_training(const PaperStudy& study) {
 TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options,
                                    const std::string& label) {
     Progress progress(study.scene.name + ": " + label, options.max_iterations);
-    options.observer = [&progress](const TrainingProgress& at) {
-        if (interrupted()) return Flow::stop;
+    options.observer = [&progress, told = options.observer](const TrainingProgress& at) {
+        if (interrupted() || (told && told(at) == Flow::stop)) return Flow::stop;
         // The bar moves with the full runs and the candidates, which take most of an iteration.
         const double share = at.stage == "full run"     ? 0.4 * at.fraction
                              : at.stage == "candidates" ? 0.6 + 0.4 * at.fraction

@@ -17,6 +17,7 @@
 #include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
 #include "tact/bench/stability.hpp"
+#include "tact/bench/training_study.hpp"
 #include "tact/bench/work_precision.hpp"
 #include "tact/lib/errors.hpp"
 
@@ -51,6 +52,7 @@ const std::vector<Study>& studies() {
         {"omission", plain<run_omission>, omission_markdown},
         {"greedy", plain<run_greedy>, greedy_markdown},
         {"histories", plain<run_histories>, histories_markdown},
+        {"training", plain<run_training>, training_markdown},
         {"downsampling", plain<run_downsampling>, downsampling_markdown},
     };
     return all;

@@ -10,14 +10,18 @@ import matplotlib.pyplot as plt  # noqa: E402
 STYLES = {
     "(1,0,0)": ("#b2182b", "o"), "(0,1,0)": ("#1b6ca8", "s"), "(0,0,1)": ("#1b9e77", "D"), "(1,1,0)": ("#e08214", "v"),
     "(1,0,1)": ("#8c6bb1", "^"), "(0,1,1)": ("#6aaed6", "<"), "(1,1,1)": ("#b8860b", ">"), "true error": ("#000000", "*"),
+    "(1,0,0), closed grid": ("#ef8a8a", "P"),
 }
 
 
 def curves(axes, rows):
     for selection, (colour, marker) in STYLES.items():
         points = [(row["iteration"], row["worst_error_percent"]) for row in rows if row["selection"] == selection]
-        axes.plot(*zip(*points), color=colour, marker=marker, markersize=4, linewidth=1.9 if selection == "(1,0,0)" else 1.1,
-                  linestyle="--" if selection == "true error" else "-",
+        if not points:
+            continue
+        papers = selection == "(1,0,0)"  # several weights often choose alike: it lies on top of them
+        axes.plot(*zip(*points), color=colour, marker=marker, markersize=4, linewidth=1.9 if papers else 1.1, zorder=3 if papers else 2,
+                  linestyle="--" if selection in ("true error", "(1,0,0), closed grid") else "-",
                   label=selection if selection == "true error" else "α = " + selection)
     axes.set_yscale("log")
     axes.grid(which="major", alpha=0.3)

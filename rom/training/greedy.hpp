@@ -97,6 +97,7 @@ struct TrainingIteration {
     std::string warning;                      ///< of the dual basis, or empty
     std::vector<double> indicators;           ///< of each candidate; NaN where already sampled. Empty without a scan.
     double max_indicator = 0;                 ///< I(gamma_next)
+    /// CPU time, of all threads.
     double seconds_full = 0, seconds_pod = 0, seconds_dual = 0, seconds_projection = 0, seconds_candidates = 0;
 
     template <class Archive> void serialize(Archive& archive) {

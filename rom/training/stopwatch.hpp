@@ -1,22 +1,21 @@
 // Seconds of training by part.
 #pragma once
 
-#include <chrono>
+#include <ctime>
 
 namespace tact {
 
-/// Adds the time it lives to a counter.
+/// Adds the CPU time that all threads of the process take while it lives to a counter: other processes do not add to it.
 class Stopwatch {
 public:
     explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+    ~Stopwatch() { seconds_ += static_cast<double>(std::clock() - start_) / CLOCKS_PER_SEC; }
     Stopwatch(const Stopwatch&) = delete;
     Stopwatch& operator=(const Stopwatch&) = delete;
 
 private:
-    using Clock = std::chrono::steady_clock;
     double& seconds_;
-    Clock::time_point start_ = Clock::now();
+    std::clock_t start_ = std::clock();
 };
 
 }  // namespace tact

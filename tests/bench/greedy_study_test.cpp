@@ -22,11 +22,11 @@ TEST(GreedyStudy, HasARowForEveryBasisAndTheClaimsBesideThem) {
         EXPECT_NEAR(row["worst_error_norm"].get<double>(), 0.1 * std::sqrt(row["worst_error_percent"].get<double>()),
                     1e-9);
     }
-    ASSERT_EQ(rows.size(), 9u) << "seven sets of weights, the true error and random samples";
+    ASSERT_EQ(rows.size(), 10u) << "seven sets of weights, another grid, the true error and random samples";
     EXPECT_EQ(rows["(1,0,0)"], 5);
     EXPECT_EQ(rows["true error"], 5);
     EXPECT_EQ(rows["Latin hypercube"], 20);
-    EXPECT_EQ(json["claims"].size(), 3u);
+    EXPECT_EQ(json["claims"].size(), 4u);
     EXPECT_NE(greedy_table(json).find("true error"), std::string::npos);
     EXPECT_NE(greedy_markdown(json).find("## Claims"), std::string::npos);
     EXPECT_THROW(run_greedy({.small = true, .scenes = {"two-plates"}}), InputError);
