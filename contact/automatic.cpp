@@ -16,6 +16,7 @@
 #include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/projected_cg.hpp"
 #include "tact/contact/proximal_contact.hpp"
+#include "tact/contact/renumbered.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/contact/schur_contact.hpp"
 
@@ -233,11 +234,9 @@ private:
     std::optional<Record> record_;  // nothing once the choice is final
 };
 
-}  // namespace
-
-std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
-    check_contact_matrices("AutomaticContact", A, B);
-    Choice choice = first_choice(A, B, options_);
+/// The strategy chosen for A and B, and those that follow it.
+Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
+    Choice choice = first_choice(A, B, options);
     Prepared first;
     try {
         first = prepare_as(choice.strategy, A, B);
@@ -255,7 +254,7 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
     } else {
         const bool medium = A.rows() <= largest_orthogonal;
         const bool iteration = patience(choice.strategy) < std::numeric_limits<int>::max();
-        if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options_, Strategy::schur))
+        if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options, Strategy::schur))
             rest.push_back([A, B]() -> Prepared {
                 try {
                     return SchurContact().prepare(A, B);
@@ -263,15 +262,24 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
                     return prepare_proximal(A, B);
                 }
             });
-        if (iteration && !options_.always && !rest.empty()) record.emplace(B.rows(), options_.solves_before_factor);
+        if (iteration && !options.always && !rest.empty()) record.emplace(B.rows(), options.solves_before_factor);
         if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
-        if (choice.strategy != Strategy::interior_point && allowed(options_, Strategy::interior_point) &&
+        if (choice.strategy != Strategy::interior_point && allowed(options, Strategy::interior_point) &&
             (A.main_diagonal().array() > 0).all())
             rest.push_back([A, B] { return InteriorPoint().prepare(A, B); });
         if (medium && B.rows() > 0 && B.rows() <= largest_tableau)
             rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
     }
     return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
+}
+
+}  // namespace
+
+std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
+    check_contact_matrices("AutomaticContact", A, B);
+    return prepare_renumbered(A, B, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
+        return prepare_chosen(A_renumbered, B_renumbered, options_);
+    });
 }
 
 }  // namespace tact

@@ -46,6 +46,7 @@ struct AutomaticOptions {
 /// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:
 /// ProximalContact around SchurContact (or OrthogonalContact).
 ///
+/// All of them work in a numbering by waves where the caller's is as good as random (contact/renumbered.hpp).
 /// The choice is looked at again after every solve, on counts only, so that a run can be repeated to the last bit:
 /// multigrid makes way for SchurContact when the same A has been asked for often and contact hardly touches new rows, and
 /// any iteration does so when it was far slower than usual, or failed, three times in a row. ContactReport::reason says why

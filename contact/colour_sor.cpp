@@ -93,10 +93,7 @@ private:
     static constexpr int phase_limit = 500;
 
     PreparedSor(const Matrix& A, const Matrix& B, CompressedRows entries)
-        : accept_(A, B),
-          n_(A.rows()),
-          order_(wave_order(entries)),
-          sweeps_(order_.empty() ? entries : entries = permuted(entries, order_)) {
+        : accept_(A, B), n_(A.rows()), sweeps_(entries) {
         const Index padded = (n_ + lanes - 1) / lanes * lanes;
         rows_ = Doubles(static_cast<int>(padded), entries.longest_row(), [&](int i, const auto& add) {
             if (i >= entries.rows) return;
@@ -115,39 +112,35 @@ private:
         upper_.resize(padded, infinity);
         read_rows(ConstraintRows(B));
         lambda_.resize(B.rows());
-        if (!order_.empty()) answer_.resize(n_);
         // Young's formula, exact for two colours; with more it is a good guess that converges all the same.
         const double radius = std::min(std::max(1 - scaled_spectrum(A).smallest, 0.0), 0.999999);
         omega_ = static_cast<float>(2 / (1 + std::sqrt(1 - radius * radius)));
     }
 
     void read_rows(const ConstraintRows& rows) {
-        std::vector<int> position(at(n_));
-        std::iota(position.begin(), position.end(), 0);
-        for (std::size_t i = 0; i < order_.size(); ++i) position[at(order_[i])] = static_cast<int>(i);
         shared_ = !rows.disjoint();
         identity_ = rows.rows() == n_;
         for (Index i = 0; i < rows.rows(); ++i) {
-            unknown_.push_back(position[at(rows.columns(i)[0])]);
+            unknown_.push_back(rows.columns(i)[0]);
             weight_.push_back(rows.weights(i)[0]);
             from_above_ |= weight_.back() < 0;
             identity_ &= unknown_.back() == i && weight_.back() == 1;
         }
     }
 
-    /// Takes the problem over in the order of our rows; u starts within its bounds.
+    /// Takes the problem over; u starts within its bounds.
     void read(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& guess) {
-        // Where the order is the caller's and fills whole slices, operands are read where they are.
-        const bool in_place = order_.empty() && n_ % lanes == 0;
-        const auto ordered = [&](const ConstVectorRef& from, Padded<double>& copy) {
+        // Operands that fill whole slices are read where they are.
+        const bool in_place = n_ % lanes == 0;
+        const auto padded_out = [&](const ConstVectorRef& from, Padded<double>& copy) {
             if (in_place) return from.data();
-            for (Index i = 0; i < n_; ++i) copy[i] = from[order_.empty() ? i : order_[at(i)]];
+            std::copy(from.begin(), from.end(), copy.data());
             return static_cast<const double*>(copy.data());
         };
-        load_ = ordered(b, b_);
+        load_ = padded_out(b, b_);
         low_ = in_place && identity_ ? c.data() : lower_.data();
         if (low_ != c.data()) set_bounds(c);
-        const double* start = ordered(guess, u_);
+        const double* start = padded_out(guess, u_);
         Part size = {};
         for (Index i = 0; i < padded(); i += part_lanes) {
             Part u = load(start + i);
@@ -283,17 +276,12 @@ private:
         return {lambda_.data(), lambda_.size()};
     }
 
-    Eigen::Map<const Vector> answer() {
-        if (order_.empty()) return {u_.data(), n_};
-        for (Index i = 0; i < n_; ++i) answer_[order_[at(i)]] = u_[i];
-        return {answer_.data(), n_};
-    }
+    Eigen::Map<const Vector> answer() { return {u_.data(), n_}; }
 
     Index padded() const { return Index{rows_.slices()} * lanes; }
 
     Acceptance accept_;
     Index n_;
-    std::vector<int> order_;  // where the caller's reads badly: old number of each new one
     ColourSweeps sweeps_;
     Doubles rows_;
     std::vector<int> unknown_;
@@ -308,7 +296,7 @@ private:
     Padded<double> u_, b_, force_, lower_, upper_;
     Padded<float> inverse_;  // of the diagonal
     Padded<float> measure_;  // sqrt(max_j A_jj / A_ii): forces in unknowns of unit stiffness
-    Vector lambda_, answer_;
+    Vector lambda_;
 };
 
 }  // namespace

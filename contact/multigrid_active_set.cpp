@@ -56,17 +56,9 @@ struct CoarseObstacle {
 class PreparedMultigrid final : public PreparedContact {
 public:
     PreparedMultigrid(const Matrix& A, const Matrix& B, CompressedRows rows, Bounds bounds)
-        : certificate_(A, B),
-          order_(wave_order(rows)),
-          bounds_(std::move(bounds)),
-          hierarchy_(order_.empty() ? std::move(rows) : permuted(rows, order_)) {
-        place_.resize(at(A.rows()));
-        scale_.resize(A.rows());
-        for (std::size_t i = 0; i < place_.size(); ++i) {
-            const auto old = order_.empty() ? i : at(order_[i]);
-            place_[old] = hierarchy_.place(0)[i];
-            scale_[static_cast<Index>(old)] = hierarchy_.scale(0)[i];
-        }
+        : certificate_(A, B), bounds_(std::move(bounds)), hierarchy_(std::move(rows)) {
+        place_ = hierarchy_.place(0);
+        scale_ = Eigen::Map<const Vector>(hierarchy_.scale(0).data(), A.rows());
         const Index padded = hierarchy_.padded(0);
         for (Vector* v : {&x_, &b_, &r_}) v->setZero(padded);
         krylov_.resize(padded);
@@ -381,7 +373,6 @@ private:
     }
 
     KktCertificate certificate_;
-    std::vector<int> order_;
     Bounds bounds_;
     SmoothedAggregation hierarchy_;
     std::vector<int> place_;  // of each unknown, in the vectors of the finest level

@@ -109,7 +109,10 @@ Matrix::Matrix() : Matrix(SparseMatrix(0, 0)) {}
 Matrix::Matrix(SparseMatrix entries) : rows_(entries.rows()), cols_(entries.cols()) {
     entries.makeCompressed();
     drop_subnormal(entries.valuePtr(), entries.nonZeros());
-    storage_ = std::make_shared<const Storage>(std::move(entries));
+    // Eigen's sparse matrices have no move constructor.
+    const auto storage = std::make_shared<Storage>(SparseMatrix());
+    std::get<SparseMatrix>(storage->entries).swap(entries);
+    storage_ = storage;
 }
 
 Matrix::Matrix(DenseMatrix entries) : rows_(entries.rows()), cols_(entries.cols()) {

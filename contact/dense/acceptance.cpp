@@ -85,7 +85,8 @@ bool Acceptance::rows_are_met(const KktResiduals& kkt, const ConstVectorRef& b, 
             own += std::abs(term);
         }
         const double allowed = noise * weight_[i];
-        if (!(gap >= -(tolerance * own + allowed))) return false;
+        const double violation = tolerance * own + allowed;
+        if (!(gap >= -violation) || violation == infinity) return false;
         if (lambda[i] == 0) continue;
         opened += lambda[i] * std::max(gap - allowed, 0.0);
         work += lambda[i] * own;

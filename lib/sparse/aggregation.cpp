@@ -107,20 +107,6 @@ RowBuffer product(int rows, const Left& A, const Right& B, int columns, std::siz
     return sums.finish();
 }
 
-/// Unknowns by the length of their rows, the given numbering among equals.
-std::vector<int> by_degree(const CompressedRows& A) {
-    std::vector<int> first;
-    const auto degree = [&](int i) { return at(A.end(i) - A.begin(i)); };
-    for (int i = 0; i < A.rows; ++i) {
-        if (degree(i) + 2 > first.size()) first.resize(degree(i) + 2, 0);
-        ++first[degree(i) + 1];
-    }
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<int> sorted(at(A.rows));
-    for (int i = 0; i < A.rows; ++i) sorted[at(first[degree(i)]++)] = i;
-    return sorted;
-}
-
 }  // namespace
 
 CompressedRows compressed_columns(const SparseMatrix& A) {
@@ -142,69 +128,6 @@ std::vector<double> diagonal_of(const CompressedRows& A) {
                 break;
             }
     return diagonal;
-}
-
-std::vector<int> wave_order(const CompressedRows& A) {
-    int equal = 0;
-    for (int i = 0; i + 1 < A.rows; ++i) {
-        const int length = A.end(i) - A.begin(i);
-        equal += A.end(i + 1) - A.begin(i + 1) == length &&
-                 std::equal(A.column.begin() + A.begin(i), A.column.begin() + A.end(i),
-                            A.column.begin() + A.begin(i + 1), [](int j, int next) { return next == j + 1; });
-    }
-    if (2 * equal >= A.rows) return {};
-    std::vector<int> order;
-    order.reserve(at(A.rows));
-    std::vector<char> seen(at(A.rows), 0);
-    std::size_t next = 0;
-    // A search reaches one part of the graph; it starts at a corner, so that its waves are short.
-    for (const int start : by_degree(A)) {
-        if (seen[at(start)]) continue;
-        seen[at(start)] = 1;
-        order.push_back(start);
-        for (; next < order.size(); ++next) {
-            const auto first = static_cast<std::ptrdiff_t>(order.size());
-            for (int k = A.begin(order[next]); k < A.end(order[next]); ++k) {
-                const int j = A.column_at(k);
-                if (seen[at(j)]) continue;
-                seen[at(j)] = 1;
-                order.push_back(j);
-            }
-            std::sort(order.begin() + first, order.end(), [&](int i, int j) {
-                const int a = A.end(i) - A.begin(i), b = A.end(j) - A.begin(j);
-                return a != b ? a < b : i < j;
-            });
-        }
-    }
-    return order;
-}
-
-CompressedRows permuted(const CompressedRows& A, const std::vector<int>& order) {
-    std::vector<int> position(order.size());
-    for (int i = 0; i < A.rows; ++i) position[at(order[at(i)])] = i;
-    CompressedRows rows;
-    rows.rows = rows.columns = A.rows;
-    rows.start.resize(A.start.size());
-    rows.column.resize(A.column.size());
-    rows.value.resize(A.value.size());
-    std::size_t entry = 0;
-    for (int i = 0; i < A.rows; ++i) {
-        const int old = order[at(i)];
-        const auto first = entry;
-        for (int k = A.begin(old); k < A.end(old); ++k, ++entry) {
-            // Sorted by insertion: rows are short.
-            const int column = position[at(A.column_at(k))];
-            auto slot = entry;
-            for (; slot > first && rows.column[slot - 1] > column; --slot) {
-                rows.column[slot] = rows.column[slot - 1];
-                rows.value[slot] = rows.value[slot - 1];
-            }
-            rows.column[slot] = column;
-            rows.value[slot] = A.value_at(k);
-        }
-        rows.start[at(i) + 1] = static_cast<int>(entry);
-    }
-    return rows;
 }
 
 std::vector<int> greedy_colours(const CompressedRows& A) {

@@ -1,4 +1,4 @@
-// The steps that set up a smoothed-aggregation hierarchy: ordering, aggregates, prolongator, Galerkin product.
+// The steps that set up a smoothed-aggregation hierarchy: aggregates, prolongator, Galerkin product.
 #pragma once
 
 #include <algorithm>
@@ -31,13 +31,6 @@ CompressedRows compressed_columns(const SparseMatrix& A);
 
 /// The diagonal; entries that are not stored are zero.
 std::vector<double> diagonal_of(const CompressedRows& A);
-
-/// Numbers unknowns by breadth-first waves (Cuthill, McKee, Proc. ACM 1969): old number of each new one. Empty if the
-/// given numbering has neighbouring rows with equal offsets already, which vectorises as well and costs nothing.
-std::vector<int> wave_order(const CompressedRows& A);
-
-/// A(order, order).
-CompressedRows permuted(const CompressedRows& A, const std::vector<int>& order);
 
 /// Colours so that no two coupled unknowns share one: greedy in the given numbering.
 std::vector<int> greedy_colours(const CompressedRows& A);

@@ -39,11 +39,13 @@ inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, c
         for (Index j = 0; j < n; ++j) sum.add(Wide(qp.A(i, j)) * u[j]);
         sum.add(-Wide(qp.b[i]));
         for (Index k = 0; k < m; ++k) sum.add(-Wide(qp.B(k, i)) * lambda[k]);
-        residual = std::max(residual, std::abs(sum.value));
+        // What would be subnormal in double counts as zero.
+        const Wide off = std::abs(sum.value) < std::numeric_limits<double>::min() ? 0 : std::abs(sum.value);
+        residual = std::max(residual, off);
         force = std::max(force, sum.size);
         work += std::abs(Wide(u[i])) * sum.size;
         if (!(qp.A(i, i) > 0)) continue;
-        scaled_residual = std::max(scaled_residual, std::abs(sum.value) / std::sqrt(Wide(qp.A(i, i))));
+        scaled_residual = std::max(scaled_residual, off / std::sqrt(Wide(qp.A(i, i))));
         scaled_force = std::max(scaled_force, sum.size / std::sqrt(Wide(qp.A(i, i))));
     }
     if (ratio(residual, force) > tolerance) return "stationarity";

@@ -121,17 +121,6 @@ TEST(SmoothedAggregation, ResidualsAndProductsAgreeWithTheMatrix) {
     }
 }
 
-TEST(SmoothedAggregation, AWaveOrderPutsARandomNumberingBackIntoLines) {
-    const CompressedRows A = compressed_columns(shuffled_with_varied_coefficients(membrane(40)));
-    EXPECT_TRUE(wave_order(compressed_columns(membrane(40))).empty());
-    auto order = wave_order(A);
-    const CompressedRows P = permuted(A, order);
-    const auto colours = greedy_colours(P);
-    EXPECT_EQ(*std::max_element(colours.begin(), colours.end()), 1);
-    std::sort(order.begin(), order.end());
-    for (int i = 0; i < A.rows; ++i) ASSERT_EQ(order[static_cast<std::size_t>(i)], i);
-}
-
 TEST(SmoothedAggregation, ADiagonalWithoutSignIsRefused) {
     SparseMatrix A = membrane(4);
     A.coeffRef(5, 5) = 0;
