@@ -19,6 +19,7 @@
 #include "tact/bench/speedup.hpp"
 #include "tact/bench/stability.hpp"
 #include "tact/bench/studies.hpp"
+#include "tact/bench/tradeoff.hpp"
 #include "tact/bench/training_study.hpp"
 #include "tact/bench/work_precision.hpp"
 #include "tact/bench/work_precision_scenes.hpp"
@@ -302,6 +303,8 @@ int run(int argc, char** argv) {
                           omission_markdown});
     add_plain_study(app, {"training", "What training costs by part, and when it has paid", run_training,
                           training_table, training_markdown});
+    add_plain_study(app, {"tradeoff", "Full and reduced models in one diagram: error against run time", run_tradeoff,
+                          tradeoff_table, tradeoff_markdown});
     add_all(app, code);
     add_report(app);
     add_case(app, code);

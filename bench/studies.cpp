@@ -17,6 +17,7 @@
 #include "tact/bench/solvers.hpp"
 #include "tact/bench/speedup.hpp"
 #include "tact/bench/stability.hpp"
+#include "tact/bench/tradeoff.hpp"
 #include "tact/bench/training_study.hpp"
 #include "tact/bench/work_precision.hpp"
 #include "tact/lib/errors.hpp"
@@ -48,6 +49,7 @@ const std::vector<Study>& studies() {
         {"bases",
          [](const StudySize& size) { return run_bases({.small = size.small, .repeats = std::min(size.repeats, 3)}); },
          bases_markdown},
+        {"tradeoff", plain<run_tradeoff>, tradeoff_markdown},
         {"online", plain<run_online>, online_markdown},
         {"omission", plain<run_omission>, omission_markdown},
         {"greedy", plain<run_greedy>, greedy_markdown},

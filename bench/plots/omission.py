@@ -14,7 +14,7 @@ def main(data_file, figure_file):
     matplotlib.rcParams.update({"svg.hashsalt": "tact", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
     scenes = list(dict.fromkeys(row["scene"] for row in data["rows"]))
     parts = list(dict.fromkeys(row["part"] for row in data["rows"]))
-    figure, (left, right) = plt.subplots(1, 2, figsize=(12.5, 1.6 + 0.27 * len(scenes)), gridspec_kw={"width_ratios": [1.5, 1]})
+    figure, (left, right) = plt.subplots(1, 2, figsize=(12.5, max(4.5, 1.6 + 0.27 * len(scenes))), gridspec_kw={"width_ratios": [1.5, 1]})
     for row in data["rows"]:
         x, y = parts.index(row["part"]), scenes.index(row["scene"])
         left.scatter(x, y, s=75, color="#1b6ca8" if row["used"] else "white", edgecolor="#1b6ca8" if row["used"] else "#c9ced4", linewidth=1)

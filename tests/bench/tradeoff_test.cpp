@@ -1,0 +1,31 @@
+#include "tact/bench/tradeoff.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tact/lib/errors.hpp"
+
+namespace tact::bench {
+namespace {
+
+TEST(Tradeoff, FinerGridsAreCloserToTheReferenceAndBreakEvenFollowsFromTheRows) {
+    const Json json = run_tradeoff({true, {"static-obstacle"}});
+    std::vector<Json> full, reduced;
+    for (const Json& row : json["rows"]) (row["model"] == "full" ? full : reduced).push_back(row);
+    ASSERT_EQ(full.size(), 2u);
+    EXPECT_LT(full[1]["error_percent"], 0.2 * full[0]["error_percent"].get<double>()) << "order 2 in h, squared";
+    EXPECT_TRUE(full[1]["training_model"].get<bool>());
+    EXPECT_EQ(reduced.size(), 4u);
+    for (const Json& entry : json["break_even"]) {
+        if (entry["full"].is_null()) {
+            EXPECT_TRUE(entry["queries"].is_null());
+            EXPECT_LT(entry["error_percent"], full[1]["error_percent"]);
+            continue;
+        }
+        EXPECT_GE(entry["error_percent"], full[1]["error_percent"]);
+    }
+    EXPECT_NE(tradeoff_markdown(json).find("From how many queries"), std::string::npos);
+    EXPECT_THROW(run_tradeoff({true, {"plates"}}), InputError);
+}
+
+}  // namespace
+}  // namespace tact::bench
