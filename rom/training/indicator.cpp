@@ -13,6 +13,7 @@ namespace tact {
 namespace {
 
 constexpr Index block_rows = 512;  // a block of gaps at 40 times then stays in cache
+constexpr Index screening_modes = 16;
 
 bool is_diagonal(const SparseMatrix& A) {
     for (Index j = 0; j < A.cols(); ++j)
@@ -47,6 +48,15 @@ DenseMatrix coefficients_at(const AffineVector& a, const std::vector<double>& ti
     for (std::size_t j = 0; j < times.size(); ++j)
         a.coefficients(times[j], Side::right, result.col(static_cast<Index>(j)));
     return result;
+}
+
+/// block -= modes * coefficients, of a gap that is constant in time or not.
+void subtract_gap(const Eigen::Ref<const DenseMatrix>& modes, bool constant, const DenseMatrix& coefficients,
+                  Eigen::Ref<DenseMatrix> block) {
+    if (constant && modes.cols() == 1)
+        block.colwise() -= modes.col(0);
+    else
+        block.noalias() -= modes * coefficients;
 }
 
 void check_weight(const char* name, double value) {
@@ -91,7 +101,13 @@ Indicator::Indicator(const ContactFamily& family, const ReducedBasis& basis, Ind
     rows_.resize(static_cast<std::size_t>(full.constraints()));
     std::iota(rows_.begin(), rows_.end(), Index{0});
     B_U_ = full.B.times(basis.U);
-    if (full.constraints() == 0 || (weights.complementarity == 0 && weights.negativity == 0)) return;
+    if (weights.complementarity == 0 && weights.negativity == 0) {
+        if (basis.primal_size() <= 2 * screening_modes) return;
+        tail_norm_ = B_U_.rightCols(basis.primal_size() - screening_modes).rowwise().norm();
+        row_norm_ = B_U_.rowwise().norm();
+        return;
+    }
+    if (full.constraints() == 0) return;
 
     const Index p = basis.primal_size();
     const bool damped = full.M && full.D;
@@ -125,6 +141,47 @@ DenseMatrix Indicator::rates(const ContactProblem& reduced, const ReducedStates&
     return result;
 }
 
+/// Rows that the first modes do not prove open at all times: of the others the Cauchy-Schwarz inequality says how much
+/// they can add. In modal coordinates that is little, and most of an obstacle is far away.
+std::vector<Index> Indicator::doubtful_rows(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
+                                            const DenseMatrix& c_coefficients) const {
+    const Index m = B_U_.rows(), count = q.cols();
+    const Vector tail = q.bottomRows(q.rows() - screening_modes).colwise().norm(), whole = q.colwise().norm();
+    constexpr double rounding = 1e-12;
+    std::vector<Index> rows;
+    DenseMatrix gap(block_rows, count);
+    for (Index i = 0; i < m; i += block_rows) {
+        const Index size = std::min(block_rows, m - i);
+        auto block = gap.topRows(size);
+        block.noalias() = B_U_.block(i, 0, size, screening_modes) * q.topRows(screening_modes);
+        subtract_gap(c.modes.middleRows(i, size), c.constant(), c_coefficients, block);
+        block.noalias() -= tail_norm_.segment(i, size) * tail.transpose();
+        block.noalias() -= rounding * row_norm_.segment(i, size) * whole.transpose();
+        const Vector least = block.rowwise().minCoeff();
+        for (Index k = 0; k < size; ++k)
+            if (!(least[k] >= 0)) rows.push_back(i + k);
+    }
+    return rows;
+}
+
+/// sum |[B U q - c]_-|^2.
+double Indicator::penetration(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
+                              const DenseMatrix& c_coefficients) const {
+    const std::vector<Index> rows = tail_norm_.size() > 0 ? doubtful_rows(c, q, c_coefficients) : rows_;
+    DenseMatrix some(block_rows, q.rows()), gap(block_rows, q.cols());
+    double sum = 0;
+    for (std::size_t first = 0; first < rows.size(); first += block_rows) {
+        const auto size = std::min<std::size_t>(block_rows, rows.size() - first);
+        const std::span<const Index> chosen(rows.data() + first, size);
+        auto block = gap.topRows(static_cast<Index>(size));
+        some.topRows(static_cast<Index>(size)) = B_U_(chosen, Eigen::all);
+        block.noalias() = some.topRows(static_cast<Index>(size)) * q;
+        subtract_gap(c.modes(chosen, Eigen::all), c.constant(), c_coefficients, block);
+        sum += block.array().min(0).square().sum();
+    }
+    return sum;
+}
+
 double Indicator::operator()(const Parameter& gamma, const ContactProblem& reduced,
                              const ReducedStates& states) const {
     const Index m = B_U_.rows(), count = states.size();
@@ -140,22 +197,18 @@ double Indicator::operator()(const Parameter& gamma, const ContactProblem& reduc
     }
     const DenseMatrix c_coefficients = coefficients_at(c, states.times);
     const auto q = states.q.leftCols(count);
-    const bool forces = force_.size() > 0;
-    const DenseMatrix rate = forces ? rates(reduced, states) : DenseMatrix();
-    const DenseMatrix f_coefficients = forces ? coefficients_at(load_, states.times) : DenseMatrix();
+    if (force_.size() == 0) return weights_.penetration * penetration(c, q, c_coefficients);
+    const DenseMatrix rate = rates(reduced, states);
+    const DenseMatrix f_coefficients = coefficients_at(load_, states.times);
 
-    double penetration = 0, complementarity = 0, negativity = 0;
-    DenseMatrix gap(block_rows, count), force(forces ? block_rows : 0, count);
+    double penetrated = 0, complementarity = 0, negativity = 0;
+    DenseMatrix gap(block_rows, count), force(block_rows, count);
     for (Index i = 0; i < m; i += block_rows) {
         const Index rows = std::min(block_rows, m - i);
         auto r1 = gap.topRows(rows);
         r1.noalias() = B_U_.middleRows(i, rows) * q;
-        if (c.modes.cols() == 1 && c.constant())
-            r1.colwise() -= c.modes.col(0).segment(i, rows);
-        else
-            r1.noalias() -= c.modes.middleRows(i, rows) * c_coefficients;
-        penetration += r1.array().min(0).square().sum();
-        if (!forces) continue;
+        subtract_gap(c.modes.middleRows(i, rows), c.constant(), c_coefficients, r1);
+        penetrated += r1.array().min(0).square().sum();
         auto r3 = force.topRows(rows);
         r3.noalias() = force_.middleRows(i, rows) * rate;
         r3.noalias() -= load_.modes.middleRows(i, rows) * f_coefficients;
@@ -167,7 +220,7 @@ double Indicator::operator()(const Parameter& gamma, const ContactProblem& reduc
         complementarity += r1.cwiseProduct(r3).squaredNorm();
         negativity += r3.array().min(0).square().sum();
     }
-    return weights_.penetration * penetration + weights_.complementarity * complementarity +
+    return weights_.penetration * penetrated + weights_.complementarity * complementarity +
            weights_.negativity * negativity;
 }
 

@@ -53,6 +53,10 @@ public:
 
 private:
     DenseMatrix rates(const ContactProblem& reduced, const ReducedStates& states) const;
+    double penetration(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
+                       const DenseMatrix& c_coefficients) const;
+    std::vector<Index> doubtful_rows(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
+                                     const DenseMatrix& c_coefficients) const;
 
     const ContactFamily& family_;
     IndicatorWeights weights_;
@@ -60,6 +64,8 @@ private:
     std::vector<Index> rows_;  // all of them
     AffineVector c_;           // where there are no parameters
     DenseMatrix B_U_;
+    Vector tail_norm_,
+        row_norm_;       // of the rows of B U, behind the modes that screen and of all; empty without screening
     DenseMatrix force_;  // (B')^+ [K U, L U, D U]; L is M, or D in a problem of first order
     AffineVector load_;  // (B')^+ f
 };

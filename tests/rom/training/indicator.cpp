@@ -79,6 +79,35 @@ INSTANTIATE_TEST_SUITE_P(Parts, IndicatorOfChain,
                          ::testing::Values(std::pair{false, false}, std::pair{true, false}, std::pair{false, true},
                                            std::pair{true, true}));
 
+/// Screening proves rows open from 16 of 40 modes; here against all gaps of all rows, some open and some not.
+TEST(Indicator, WithManyModesCountsEveryViolatedRow) {
+    constexpr Index large = 600, p = 40;
+    const ChainFamily family(large);
+    const ContactProblem full = family.at(Eigen::Vector2d(0.25, 0.4));
+    const ReducedBasis basis = modal_basis(full, {scattered(large, p), scattered(full.constraints(), 4).cwiseAbs()});
+    const std::unique_ptr<ContactFamily> reduced = reduce(family, basis);
+    ReducedStates states;
+    for (const double size : {1e-3, 0.3, 1.0, 3.0, 1000.0}) {
+        states.q = size * scattered(p, 7, 3);
+        for (Index j = 0; j < p; ++j) states.q.row(j) /= 1 + static_cast<double>(j);
+        states.times.assign(7, 0.0);
+        for (const double height : {0.0, 0.1, 0.3}) {
+            const Parameter gamma = Eigen::Vector2d(height, 0.6);
+            const ContactProblem at = family.at(gamma);
+            DenseMatrix gap = at.B.times(basis.U) * states.q;
+            gap.colwise() -= at.c.modes.col(0);
+            const double expected = 2 * gap.cwiseMin(0).squaredNorm();
+            EXPECT_NEAR(Indicator(family, basis, {2, 0, 0})(gamma, reduced->at(gamma), states), expected,
+                        1e-12 * expected);
+            if (size >= 3) {
+                EXPECT_GT(expected, 0);
+            } else if (size < 0.3) {
+                EXPECT_EQ(expected, 0);
+            }
+        }
+    }
+}
+
 TEST(Indicator, IsZeroForAnExactStaticSolutionAndNotForAWrongOne) {
     const ChainFamily family(n, {.mass = false, .moving_load = false});
     const Parameter gamma = Eigen::Vector2d(0.25, 0.4);
