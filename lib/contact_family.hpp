@@ -26,7 +26,16 @@ public:
     virtual ContactProblem at(const Parameter& gamma) const = 0;
     /// c_i(gamma) on selected rows, without building the problem. Only for gaps constant in time.
     virtual void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const = 0;
+
+    /// Which of "M", "D", "K", "B", "c", "f", "u0", "v0" depend on gamma.
+    virtual std::vector<std::string> varying() const;
+    /// Where it is known that every varying part but c is a sum of fixed terms with these coefficients: their values. Else
+    /// empty. The terms themselves need not be told.
+    virtual Vector coefficients(const Parameter& gamma) const;
 };
+
+/// Whether no part but c depends on gamma.
+bool only_gap_varies(const ContactFamily& family);
 
 /// One problem as a family without parameters.
 class SingleProblem final : public ContactFamily {
@@ -37,6 +46,7 @@ public:
     Parameter upper() const override { return {}; }
     ContactProblem at(const Parameter&) const override { return problem_; }
     void gap(const Parameter&, std::span<const Index> rows, VectorRef out) const override;
+    std::vector<std::string> varying() const override { return {}; }
 
 private:
     ContactProblem problem_;

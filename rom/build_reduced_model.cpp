@@ -1,7 +1,7 @@
 #include "tact/rom/build_reduced_model.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
-#include <numeric>
 
 #include "tact/rom/empirical_interpolation.hpp"
 #include "tact/rom/reduce.hpp"
@@ -81,38 +81,47 @@ public:
 
 private:
     void find_parts() {
-        if (data_.names.empty()) return;
+        const std::vector<std::string> varying = family_.varying();
+        const auto varies = [&](std::string_view part) {
+            return std::find(varying.begin(), varying.end(), part) != varying.end();
+        };
+        for (const char* part : {"M", "D", "K", "B", "f", "u0", "v0"})
+            if (varies(part) && entries(part, data_.centre).size() > 0) data_.parts.emplace_back(part);
+        gap_depends_ = varies("c") && data_.centre.constraints() > 0 && !data_.names.empty();
+        if (gap_depends_ && !full_.c.constant())
+            reject("the gap varies in time and in gamma, expected one of the two");
+        if (!data_.names.empty()) probe(varies);
+    }
+
+    /// Whether the parts that the family does not name are the same everywhere.
+    template <class Varies> void probe(const Varies& varies) const {
         std::vector<Parameter> probes = corners(lower_, upper_);
         const std::vector<Parameter> inside = spread_points(lower_, upper_, 4);
         probes.insert(probes.end(), inside.begin(), inside.end());
         const ContactProblem centre = dense(data_.centre);
-        const auto differs = [&](const std::string& part, const ContactProblem& other) {
-            const Vector a = entries(part, centre), b = entries(part, other);
-            if (a.size() != b.size()) reject(part + " has another size at another gamma, expected the same");
-            return a.size() > 0 && !((a - b).lpNorm<Eigen::Infinity>() <= same * a.lpNorm<Eigen::Infinity>());
-        };
-        for (const char* part : {"M", "D", "K", "B", "f", "u0", "v0", "c"}) candidates_.emplace_back(part);
-        std::vector<bool> depends(candidates_.size(), false);
         for (const Parameter& gamma : probes) {
             const ContactProblem other = dense(reduce(family_.at(gamma), basis_));
-            for (std::size_t k = 0; k < candidates_.size(); ++k)
-                depends[k] = depends[k] || differs(candidates_[k], other);
+            for (const char* part : {"M", "D", "K", "B", "c", "f", "u0", "v0"}) {
+                const Vector a = entries(part, centre), b = entries(part, other);
+                if (a.size() != b.size()) reject(std::string(part) + " has another size at another gamma");
+                const double difference = a.size() > 0 ? (a - b).lpNorm<Eigen::Infinity>() : 0;
+                if (!varies(part) && !(difference <= same * a.lpNorm<Eigen::Infinity>()))
+                    reject(std::string(part) +
+                           " differs between parameters, expected it among the family's varying()");
+            }
         }
-        gap_depends_ = depends.back();
-        for (std::size_t k = 0; k + 1 < candidates_.size(); ++k)
-            if (depends[k]) data_.parts.push_back(candidates_[k]);
-        if (gap_depends_ && !full_.c.constant())
-            reject("the gap varies in time and in gamma, expected one of the two");
     }
 
     bool depends(std::string_view part) const {
         return std::find(data_.parts.begin(), data_.parts.end(), part) != data_.parts.end();
     }
 
-    ChebyshevOptions series_options() const {
+    /// Empty unless it comes close.
+    ChebyshevSeries series(const ParameterFunction& function, Index size) const {
         ChebyshevOptions series = options_.series;
         series.tolerance = options_.tolerance;
-        return series;
+        ChebyshevFit fit = fit_chebyshev(function, size, lower_, upper_, series);
+        return fit.error <= options_.acceptable ? std::move(fit.series) : ChebyshevSeries();
     }
 
     std::vector<Parameter> samples() const {
@@ -146,21 +155,47 @@ private:
         const std::vector<Parameter> points = samples();
         DenseMatrix X(size, static_cast<Index>(points.size()));
         for (Index j = 0; j < X.cols(); ++j) X.col(j) = stacked(points[static_cast<std::size_t>(j)]);
-        const auto few = interpolate_empirically(X, options_.tolerance, options_.max_terms);
-        const ParameterFunction theta = [&](const Parameter& gamma, VectorRef out) {
-            out = stacked(gamma)(few.points);
-        };
-        data_.others.theta = fit_chebyshev(theta, few.size(), lower_, upper_, series_options()).series;
-        if (data_.others.theta.empty())
-            reject("the box has " + std::to_string(lower_.size()) + " parameters, too many for " + data_.parts[0] +
-                   " to depend on");
-        data_.others.terms = few.modes;
+        if (family_.coefficients(lower_).size() > 0)
+            find_terms(points, X);
+        else
+            interpolate(X, stacked);
         Index from = 0;
         for (std::size_t k = 0; k < data_.parts.size(); ++k) {
             const Index count = entries(data_.parts[k], data_.centre).size();
             data_.others.terms.middleRows(from, count) *= scales[k];
             from += count;
         }
+    }
+
+    template <class Stacked> void interpolate(const DenseMatrix& X, const Stacked& stacked) {
+        const auto few = interpolate_empirically(X, options_.tolerance, options_.max_terms);
+        const ParameterFunction theta = [&](const Parameter& gamma, VectorRef out) {
+            out = stacked(gamma)(few.points);
+        };
+        data_.others.theta = series(theta, few.size());
+        if (data_.others.theta.empty())
+            reject("no series of " + data_.parts[0] + " over the box of " + std::to_string(lower_.size()) +
+                   " parameters comes close; expected a family that tells its coefficients");
+        data_.others.terms = few.modes;
+    }
+
+    /// The terms that belong to the family's coefficients, by least squares.
+    void find_terms(const std::vector<Parameter>& points, const DenseMatrix& X) {
+        const Index count = family_.coefficients(lower_).size();
+        DenseMatrix theta(X.cols(), count);
+        for (Index j = 0; j < X.cols(); ++j)
+            theta.row(j) = family_.coefficients(points[static_cast<std::size_t>(j)]).transpose();
+        data_.others.terms = theta.colPivHouseholderQr().solve(X.transpose()).transpose();
+        const double rest = (data_.others.terms * theta.transpose() - X).cwiseAbs().maxCoeff();
+        constexpr double affine = 1e-10;
+        if (!(rest <= affine * X.cwiseAbs().maxCoeff()))
+            reject("the parts that vary differ by " + std::to_string(rest) +
+                   " of their size from sums with the family's coefficients, expected none");
+        const ParameterFunction function = [&](const Parameter& gamma, VectorRef out) {
+            out = family_.coefficients(gamma);
+        };
+        data_.others.theta = series(function, count);
+        data_.affine = true;
     }
 
     void widen(std::string_view part) {
@@ -183,7 +218,7 @@ private:
         const ParameterFunction theta = [&](const Parameter& gamma, VectorRef out) {
             family_.gap(gamma, data_.gap_rows, out);
         };
-        data_.gap.theta = fit_chebyshev(theta, few.size(), lower_, upper_, series_options()).series;
+        data_.gap.theta = series(theta, few.size());
         data_.gap.terms = basis_.U_lambda(rows, Eigen::all).transpose() * few.modes;
         std::vector<Index> checked;
         for (const Index row : options_.check_rows)
@@ -251,14 +286,17 @@ private:
     void measure() {
         std::vector<std::string> parts = data_.parts;
         if (gap_depends_) parts.emplace_back("c");
-        const ReducedModel model(data_, [this](const Parameter& gamma, std::span<const Index> rows, VectorRef out) {
-            family_.gap(gamma, rows, out);
-        });
-        const std::optional<ReducedModel> stored =
-            gap_depends_ && data_.gap.theta.empty() ? std::nullopt : std::optional<ReducedModel>(ReducedModel(data_));
+        ExactFunctions functions;
+        if (data_.gap.theta.empty())
+            functions.gap = [this](const Parameter& gamma, std::span<const Index> rows, VectorRef out) {
+                family_.gap(gamma, rows, out);
+            };
+        if (data_.affine && data_.others.theta.empty())
+            functions.coefficients = [this](const Parameter& gamma) { return family_.coefficients(gamma); };
+        const ReducedModel model(data_, functions);
         for (const Parameter& gamma : spread_points(lower_, upper_, 16)) {
             const ContactProblem exact = reduce(family_.at(gamma), basis_);
-            const ContactProblem ours = (stored ? *stored : model).at(gamma);
+            const ContactProblem ours = model.at(gamma);
             for (const std::string& part : parts) {
                 const bool matrix = part == "M" || part == "D" || part == "K";
                 const Vector a = matrix ? entries(part, dense(exact)) : entries(part, exact);
@@ -276,7 +314,6 @@ private:
     Parameter lower_, upper_;
     ContactProblem full_;
     ReducedModelData data_;
-    std::vector<std::string> candidates_;
     bool gap_depends_ = false;
 };
 

@@ -15,6 +15,7 @@ struct QuantityOfInterest {
 struct ReducedModelOptions {
     ReducedMethod method = {};
     double tolerance = 1e-11;      ///< of interpolation in gamma, as a fraction of the largest entry
+    double acceptable = 1e-6;      ///< error of a series over the box; one with more is left to ExactFunctions
     Index max_terms = 100;         ///< of empirical interpolation
     Index samples = 300;           ///< parameters it learns from, besides the box's corners
     ChebyshevOptions series = {};  ///< its tolerance is set to the one above
@@ -27,12 +28,14 @@ struct ReducedModelOptions {
     TrainingRecord training = {};
 };
 
-/// Projects the family at probes of its box to see which parts depend on gamma: a part that is the same everywhere is stored
-/// once. The gap is interpolated empirically on the rows that U_lambda touches, the other parts in their reduced form, and
-/// the values at the interpolation's points become Chebyshev series; where the box has too many parameters for those, the
-/// gap is left to a GapFunction. Basis in modal coordinates (modal_basis). InputError as `reduce`; if the problem has internal
-/// forces r, a gap that varies both in time and in gamma, or other parts without a series; for quantities and rows that
-/// do not fit.
+/// What does not depend on gamma (ContactFamily::varying) is stored once; probes of the box see whether that is true. The gap
+/// is interpolated empirically on the rows that U_lambda touches, the other parts in their reduced form or, where the
+/// family tells its coefficients, by the terms that belong to these. The values at the interpolation's points, or the
+/// coefficients, become Chebyshev series; where those do not come close, as in a box of many parameters, they are left to
+/// ExactFunctions. Basis in modal
+/// coordinates (modal_basis). InputError as `reduce`; if the problem has internal forces r, a gap that varies both in
+/// time and in gamma, a part that varies against what the family says, parts that are not affine in its coefficients, or others
+/// without a series; for quantities and rows that do not fit.
 ReducedModelData build_reduced_model(const ContactFamily& family, const ReducedBasis& basis,
                                      const ReducedModelOptions& options = {});
 

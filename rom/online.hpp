@@ -63,7 +63,7 @@ public:
     /// InputError unless gamma holds one finite number a parameter. One thread at a time.
     Answer query(const Parameter& gamma);
     /// As query at each of them, on so many threads (1 or more). Answers that fail say so and stop no other. The model's
-    /// GapFunction and the fall-back's family are then called by all threads at once.
+    /// ExactFunctions and the fall-back's family are then called by all threads at once.
     std::vector<Answer> solve_many(std::span<const Parameter> gammas, int threads = 1) const;
 
 private:

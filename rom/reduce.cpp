@@ -80,6 +80,7 @@ public:
     std::vector<std::string> names() const override { return names_; }
     Parameter lower() const override { return lower_; }
     Parameter upper() const override { return upper_; }
+    std::vector<std::string> varying() const override { return family_.varying(); }
 
     ContactProblem at(const Parameter& gamma) const override {
         ContactProblem problem = reduced_;
@@ -150,6 +151,28 @@ InternalForce project_force(const InternalForce& r, const DenseMatrix& basis) {
     return reduced;
 }
 
+/// A family of which more than the gap varies.
+class ProjectedFamily final : public ContactFamily {
+public:
+    ProjectedFamily(const ContactFamily& family, ReducedBasis basis) : family_(family), basis_(std::move(basis)) {
+        validate(basis_, family.at((family.lower() + family.upper()) / 2));
+    }
+    std::vector<std::string> names() const override { return family_.names(); }
+    Parameter lower() const override { return family_.lower(); }
+    Parameter upper() const override { return family_.upper(); }
+    std::vector<std::string> varying() const override { return family_.varying(); }
+    Vector coefficients(const Parameter& gamma) const override { return family_.coefficients(gamma); }
+    ContactProblem at(const Parameter& gamma) const override { return reduce(family_.at(gamma), basis_); }
+    void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+        const Vector c = at(gamma).c.modes.rowwise().sum();
+        for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = c[rows[k]];
+    }
+
+private:
+    const ContactFamily& family_;
+    ReducedBasis basis_;
+};
+
 }  // namespace
 
 ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
@@ -173,6 +196,7 @@ ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
 }
 
 std::unique_ptr<ContactFamily> reduce(const ContactFamily& family, const ReducedBasis& basis) {
+    if (!only_gap_varies(family)) return std::make_unique<ProjectedFamily>(family, basis);
     return std::make_unique<ReducedFamily>(family, basis);
 }
 

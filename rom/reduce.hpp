@@ -21,10 +21,11 @@ inline constexpr double rounding_level = 1e-10;
 /// never touches size n or m, unless there is an r: that is evaluated at U q. InputError as validate.
 ContactProblem reduce(const ContactProblem& problem, const ReducedBasis& basis);
 
-/// The reduced problems of a family of which only the gap c depends on gamma (the family's owner answers for that: M, D,
-/// K, B, f, u0, v0 are taken from the centre of the box, once, and shared by all reduced problems). `at(gamma)`
-/// evaluates c on the rows that U_lambda touches, and nothing else of the full size; `gap` gives rows of c_r.
-/// InputError if the family has parameters and a gap that varies in time. `family` must outlive the result.
+/// The reduced problems of a family. Where only the gap c depends on gamma (ContactFamily::varying), M, D, K, B, f, u0, v0
+/// are projected at the centre of the box, once, and shared by all reduced problems; `at(gamma)` evaluates c on the rows
+/// that U_lambda touches, and nothing else of the full size, and `gap` gives rows of c_r. Where other parts vary, `at` projects
+/// the full problem each time (build_reduced_model.hpp does without). InputError if the family has parameters and a gap that
+/// varies in time. `family` must outlive the result.
 std::unique_ptr<ContactFamily> reduce(const ContactFamily& family, const ReducedBasis& basis);
 
 /// Smallest over largest singular value of B_r: how far the reduced constraints are from dependent. 0 if p_lambda > p,

@@ -90,8 +90,8 @@ void validate_checks(const ReducedModelData& d) {
 
 }  // namespace
 
-ReducedModel::ReducedModel(ReducedModelData data, GapFunction gap)
-    : data_(std::move(data)), gap_function_(std::move(gap)) {
+ReducedModel::ReducedModel(ReducedModelData data, ExactFunctions exact)
+    : data_(std::move(data)), exact_(std::move(exact)) {
     ReducedModelData& d = data_;
     validate(d.centre);
     const Index parameters = static_cast<Index>(d.names.size());
@@ -108,7 +108,8 @@ ReducedModel::ReducedModel(ReducedModelData data, GapFunction gap)
     Index size = 0;
     for (const std::string& part : d.parts) size += part_size(part, d.centre);
     expect_expansion("others", d.others, size);
-    if (size > 0 && d.others.theta.empty()) reject("others has no series, expected one");
+    if (exact_.coefficients && !d.affine)
+        reject("coefficients are given, expected none: the model's other parts are not known by a family's");
     const Index quantities = static_cast<Index>(d.quantities.names.size());
     if (quantities > 0) {
         expect("quantities.Q", d.quantities.Q, quantities, d.centre.size());
@@ -132,13 +133,32 @@ bool ReducedModel::covers(const Parameter& gamma) const {
 }
 
 Vector ReducedModel::gap_coefficients(const Parameter& gamma) const {
-    if (gap_function_) {
+    if (exact_.gap) {
         Vector theta(data_.gap.terms.cols());
-        gap_function_(gamma, data_.gap_rows, theta);
+        exact_.gap(gamma, data_.gap_rows, theta);
         return theta;
     }
     if (data_.gap.theta.empty()) reject("the gap has no series over this box, expected a function of gamma");
     return data_.gap.theta.at(gamma);
+}
+
+Vector ReducedModel::other_coefficients(const Parameter& gamma) const {
+    if (!exact_.coefficients) {
+        if (data_.others.theta.empty())
+            reject(data_.parts.front() + " has no series over this box, expected the family's coefficients");
+        return data_.others.theta.at(gamma);
+    }
+    Vector theta = exact_.coefficients(gamma);
+    if (theta.size() != data_.others.terms.cols())
+        reject("coefficients are " + std::to_string(theta.size()) + ", expected " +
+               std::to_string(data_.others.terms.cols()));
+    return theta;
+}
+
+std::vector<std::string> ReducedModel::varying() const {
+    std::vector<std::string> parts = data_.parts;
+    if (!data_.gap.empty()) parts.emplace_back("c");
+    return parts;
 }
 
 ContactProblem ReducedModel::at(const Parameter& gamma) const {
@@ -146,7 +166,7 @@ ContactProblem ReducedModel::at(const Parameter& gamma) const {
     ContactProblem problem = data_.centre;
     if (!data_.gap.empty()) problem.c.modes.noalias() = data_.gap.terms * gap_coefficients(gamma);
     if (data_.parts.empty()) return problem;
-    const Vector entries = data_.others.terms * data_.others.theta.at(gamma);
+    const Vector entries = data_.others.terms * other_coefficients(gamma);
     Index from = 0;
     for (const std::string& part : data_.parts) {
         const Index size = part_size(part, problem);

@@ -15,7 +15,7 @@ namespace tact {
 /// x(gamma) ~ terms * theta(gamma): N numbers from k functions of gamma.
 struct ParameterExpansion {
     DenseMatrix terms;      ///< N x k
-    ChebyshevSeries theta;  ///< k; may be empty for the gap, which a function then has to give
+    ChebyshevSeries theta;  ///< k; empty where a function has to give them (ExactFunctions)
     bool empty() const { return terms.size() == 0; }
 };
 
@@ -73,6 +73,7 @@ struct ReducedModelData {
     std::vector<Index> gap_rows;     ///< theta of `gap` is c in these rows of the full problem
     ParameterExpansion others;       ///< the entries of `parts`, one after the other, matrices by columns
     std::vector<std::string> parts;  ///< of M, D, K, B, f, u0, v0, which depend on gamma
+    bool affine = false;             ///< theta of `others` is ContactFamily::coefficients
     double parameter_error = 0;      ///< largest at 16 points of the box, as a fraction of the part's largest entry
     ReducedMethod method;
     ReducedQuantities quantities;
@@ -80,19 +81,25 @@ struct ReducedModelData {
     TrainingRecord training;
 };
 
+/// What stands in for series over the box; either may be empty.
+struct ExactFunctions {
+    /// c of the full problem on `rows`, which are the model's gap_rows.
+    std::function<void(const Parameter& gamma, std::span<const Index> rows, VectorRef out)> gap = {};
+    /// ContactFamily::coefficients, for families that offer them.
+    std::function<Vector(const Parameter& gamma)> coefficients = {};
+};
+
 /// The problems of a reduced model. Those of all gammas share what does not depend on gamma; none touches the full size.
 class ReducedModel final : public ContactFamily {
 public:
-    /// Stands in for the series of the gap: c of the full problem on `rows`.
-    using GapFunction = std::function<void(const Parameter& gamma, std::span<const Index> rows, VectorRef out)>;
-
     /// InputError that names the field if the data do not fit together.
-    explicit ReducedModel(ReducedModelData data, GapFunction gap = {});
+    explicit ReducedModel(ReducedModelData data, ExactFunctions exact = {});
 
     std::vector<std::string> names() const override { return data_.names; }
     Parameter lower() const override { return data_.lower; }
     Parameter upper() const override { return data_.upper; }
-    /// InputError unless gamma holds one finite number a parameter, or if the gap has no series and no function was given.
+    std::vector<std::string> varying() const override;
+    /// InputError unless gamma holds one finite number a parameter, or where there is neither a series nor a function.
     ContactProblem at(const Parameter& gamma) const override;
     void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override;
 
@@ -104,9 +111,10 @@ public:
 
 private:
     Vector gap_coefficients(const Parameter& gamma) const;
+    Vector other_coefficients(const Parameter& gamma) const;
     void check(const Parameter& gamma) const;
     ReducedModelData data_;
-    GapFunction gap_function_;
+    ExactFunctions exact_;
 };
 
 /// Singular values and conditions that say how well a pair of bases carries contact.

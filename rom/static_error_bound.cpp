@@ -15,6 +15,8 @@ StaticErrorBound::StaticErrorBound(const ContactFamily& family, const ReducedBas
     validate(basis, full);
     if (!full.is_static() || !full.c.constant() || !full.f.constant() || full.r)
         throw InputError("StaticErrorBound: the problem is not static, linear and constant in time, expected that");
+    if (!only_gap_varies(family))
+        throw InputError("StaticErrorBound: more than the gap of the family varies, expected the gap only");
     if (!full.K.is_symmetric()) throw InputError("StaticErrorBound: K is not symmetric, expected that");
     if (basis.signs == DualSigns::any) throw InputError("StaticErrorBound: U_lambda has any sign, expected >= 0");
     rows_.resize(static_cast<std::size_t>(full.constraints()));

@@ -151,6 +151,7 @@ template <class Archive, class Data> void visit(Archive& archive, Data& d) {
     archive.field("others/terms", d.others.terms);
     visit_series(archive, "others/theta", d.others.theta);
     archive.field("others/parts", d.parts);
+    archive.field("others/affine", d.affine);
     archive.field("parameters/error", d.parameter_error);
     archive.field("method/integrator", d.method.integrator);
     archive.field("method/dt", d.method.grid.dt);

@@ -180,11 +180,12 @@ TEST(Online, FallsBackToTheFullModelWhereItIsInDoubt) {
 
 TEST(Online, AnswersThatFailSayWhyAndStopNoOther) {
     const auto data = build_reduced_model(still().family, still().basis, still().options);
-    const auto model =
-        std::make_shared<ReducedModel>(data, [](const Parameter& gamma, std::span<const Index> rows, VectorRef out) {
-            if (gamma[0] > 0.5) throw InputError("the obstacle is not known here");
-            still().family.gap(gamma, rows, out);
-        });
+    ExactFunctions exact;
+    exact.gap = [](const Parameter& gamma, std::span<const Index> rows, VectorRef out) {
+        if (gamma[0] > 0.5) throw InputError("the obstacle is not known here");
+        still().family.gap(gamma, rows, out);
+    };
+    const auto model = std::make_shared<ReducedModel>(data, exact);
     Online online(model, method(*model));
     const std::vector<Parameter> gammas{Eigen::Vector2d(0.45, 0.4), Eigen::Vector2d(0.55, 0.4)};
     const auto answers = online.solve_many(gammas, 2);

@@ -157,6 +157,34 @@ TEST(ReducedFamily, AnswersLikeReductionAtEachParameterFromTouchedRowsOnly) {
     }
 }
 
+/// A chain whose load depends on gamma too.
+class LoadedFamily final : public ChainFamily {
+public:
+    using ChainFamily::ChainFamily;
+    std::vector<std::string> varying() const override { return {"c", "f"}; }
+    ContactProblem at(const Parameter& gamma) const override {
+        ContactProblem problem = ChainFamily::at(gamma);
+        problem.f.modes *= 1 + gamma[0];
+        return problem;
+    }
+};
+
+TEST(ReducedFamily, ProjectsTheFullProblemWhereMoreThanTheGapVaries) {
+    const LoadedFamily family(n);
+    const ReducedBasis basis = some_basis();
+    const auto reduced = reduce(family, basis);
+    EXPECT_EQ(reduced->varying(), family.varying());
+    for (const double height : {0.05, 0.2}) {
+        const Parameter gamma = Eigen::Vector2d(height, 0.4);
+        const ContactProblem expected = reduce(family.at(gamma), basis), found = reduced->at(gamma);
+        EXPECT_EQ(found.f.modes, expected.f.modes);
+        EXPECT_EQ(found.c.modes, expected.c.modes);
+    }
+    ReducedBasis wrong = basis;
+    wrong.U_lambda(5, 1) = -1e-9;
+    EXPECT_THROW(reduce(family, wrong), InputError);
+}
+
 TEST(ReducedFamily, OfASingleProblemKeepsAMovingGap) {
     ContactProblem full = chain(n);
     full.c = AffineVector(full.c.modes, [](double t, Side, VectorRef out) { out[0] = 1 + t; });

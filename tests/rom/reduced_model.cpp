@@ -28,6 +28,7 @@ ReducedBasis some_basis(const ContactProblem& problem) {
 class ChangingFamily final : public ContactFamily {
 public:
     std::vector<std::string> names() const override { return {"stiffness", "load"}; }
+    std::vector<std::string> varying() const override { return {"K", "f", "c"}; }
     Parameter lower() const override { return Eigen::Vector2d(0.5, -1); }
     Parameter upper() const override { return Eigen::Vector2d(2, 1); }
     ContactProblem at(const Parameter& gamma) const override {
@@ -77,6 +78,90 @@ TEST(ReducedModel, FindsAndInterpolatesEveryPartThatDependsOnTheParameters) {
     }
 }
 
+/// Seven parameters: too many for series. K and f are affine in four functions of them.
+class ManyParameters final : public ContactFamily {
+public:
+    explicit ManyParameters(bool told = true) : told_(told) {}
+    std::vector<std::string> names() const override { return {"a", "b", "c", "d", "e", "f", "g"}; }
+    Parameter lower() const override { return Vector::Constant(7, 0.2); }
+    Parameter upper() const override { return Vector::Ones(7); }
+    std::vector<std::string> varying() const override { return {"K", "f"}; }
+    Vector coefficients(const Parameter& g) const override {
+        if (!told_) return {};
+        return Eigen::Vector4d(1, g[0] * std::sin(g[1]), std::exp(g[2] * g[3]), g.tail(3).squaredNorm());
+    }
+    ContactProblem at(const Parameter& gamma) const override {
+        const Vector theta = ManyParameters().coefficients(gamma);
+        ContactProblem problem = chain(n, -0.4, {.mass = false, .moving_load = false});
+        const Vector ramp = Vector::LinSpaced(n, 0, theta[2]);
+        problem.K = combine(1, problem.K, theta[1], Matrix::diagonal(ramp));
+        problem.f = Vector(problem.f.modes.col(0) * theta[3] - ramp);
+        return problem;
+    }
+    void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+        const ContactProblem problem = at(gamma);
+        for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = problem.c.modes(rows[k], 0);
+    }
+
+private:
+    bool told_;
+};
+
+TEST(ReducedModel, FindsTheTermsOfCoefficientsThatTheFamilyTells) {
+    // K needs the product of two of the four: not affine, which has to be noticed.
+    const ManyParameters family;
+    const ReducedBasis basis = some_basis(family.at(family.lower()));
+    EXPECT_THROW((void)build_reduced_model(family, basis), InputError);
+    class Affine final : public ContactFamily {
+    public:
+        std::vector<std::string> names() const override { return family_.names(); }
+        Parameter lower() const override { return family_.lower(); }
+        Parameter upper() const override { return family_.upper(); }
+        std::vector<std::string> varying() const override { return family_.varying(); }
+        Vector coefficients(const Parameter& g) const override {
+            Vector theta(5);
+            theta << family_.coefficients(g), 0;
+            theta[4] = theta[1] * theta[2];
+            return theta;
+        }
+        ContactProblem at(const Parameter& gamma) const override { return family_.at(gamma); }
+        void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+            family_.gap(gamma, rows, out);
+        }
+
+    private:
+        ManyParameters family_;
+    };
+    const Affine affine;
+    const ReducedModelData data = build_reduced_model(affine, basis);
+    EXPECT_LT(data.parameter_error, 1e-10);
+    const Parameter gamma = spread_points(affine.lower(), affine.upper(), 3).back();
+    EXPECT_THROW((void)ReducedModel(data).at(gamma), InputError);
+    const ReducedModel model(data, {{}, [&](const Parameter& at) { return affine.coefficients(at); }});
+    const ContactProblem a = model.at(gamma), b = reduce(affine.at(gamma), basis);
+    EXPECT_LT((a.K.to_dense() - b.K.to_dense()).norm(), 1e-10 * b.K.to_dense().norm());
+    EXPECT_LT((a.f.modes - b.f.modes).norm(), 1e-10 * b.f.modes.norm());
+    EXPECT_THROW((void)build_reduced_model(ManyParameters(false), basis), InputError);
+}
+
+TEST(ReducedModel, NoticesAFamilyThatDoesNotSayWhatVaries) {
+    class Silent final : public ContactFamily {
+    public:
+        std::vector<std::string> names() const override { return family_.names(); }
+        Parameter lower() const override { return family_.lower(); }
+        Parameter upper() const override { return family_.upper(); }
+        ContactProblem at(const Parameter& gamma) const override { return family_.at(gamma); }
+        void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+            family_.gap(gamma, rows, out);
+        }
+
+    private:
+        ChangingFamily family_;
+    };
+    const Silent family;
+    EXPECT_THROW((void)build_reduced_model(family, some_basis(family.at(family.lower()))), InputError);
+}
+
 TEST(ReducedModel, TakesTheGapFromAFunctionAtFewRows) {
     const ChainFamily family(120, {.mass = false, .moving_load = false});
     const ContactProblem first = family.at(family.lower());
@@ -88,8 +173,9 @@ TEST(ReducedModel, TakesTheGapFromAFunctionAtFewRows) {
     EXPECT_LT(data.gap_rows.size(), 20U);
     const Parameter gamma = Eigen::Vector2d(0.21, 0.44);
     EXPECT_THROW((void)ReducedModel(data).at(gamma), InputError);
-    const ReducedModel model(
-        data, [&](const Parameter& at, std::span<const Index> rows, VectorRef out) { family.gap(at, rows, out); });
+    ExactFunctions exact;
+    exact.gap = [&](const Parameter& at, std::span<const Index> rows, VectorRef out) { family.gap(at, rows, out); };
+    const ReducedModel model(data, exact);
     const Vector expected = reduce(family, basis)->at(gamma).c.modes.col(0);
     EXPECT_LT((model.at(gamma).c.modes.col(0) - expected).norm(), 1e-5 * expected.norm());
     EXPECT_GT((model.at(gamma).c.modes.col(0) - expected).norm(), 0);
