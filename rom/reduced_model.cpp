@@ -27,19 +27,31 @@ AffineVector::Coefficients function_of(const TimeTable& table) {
 
 void attach(const char* field, const TimeTable& table, AffineVector& vector) {
     if (table.empty()) return;
+    if (!(table.grid.dt > 0) || table.grid.steps < 0)
+        reject(std::string(field) + " has a grid of " + std::to_string(table.grid.steps) + " steps of " +
+               std::to_string(table.grid.dt) + ", expected at least 0 of more than 0");
     for (const DenseMatrix* side : {&table.left, &table.right})
         expect(field, *side, vector.modes.cols(), table.grid.steps + 1);
     vector.coefficients = function_of(table);
     vector.jumps = table.jumps;
 }
 
-void expect_expansion(const char* field, const ParameterExpansion& expansion, Index size) {
+void expect_expansion(const char* field, const ParameterExpansion& expansion, Index size, Index parameters) {
     if (expansion.terms.rows() != size) expect(field, expansion.terms, size, expansion.terms.cols());
     if (!expansion.terms.allFinite() || !expansion.theta.coefficients.allFinite())
         reject(std::string(field) + " has a NaN or infinite entry, expected finite entries");
     if (expansion.theta.empty()) return;
+    if (static_cast<Index>(expansion.theta.counts.size()) != parameters)
+        reject(std::string(field) + " has counts of " + std::to_string(expansion.theta.counts.size()) +
+               " parameters, expected " + std::to_string(parameters));
+    expect(field, expansion.theta.lower, parameters, 1);
+    expect(field, expansion.theta.upper, parameters, 1);
     Index count = 1;
-    for (const Index each : expansion.theta.counts) count *= each;
+    for (const Index each : expansion.theta.counts) {
+        if (each < 1)
+            reject(std::string(field) + " has a count of " + std::to_string(each) + ", expected at least 1");
+        count *= each;
+    }
     expect(field, expansion.theta.coefficients, expansion.terms.cols(), count);
 }
 
@@ -100,14 +112,14 @@ ReducedModel::ReducedModel(ReducedModelData data, ExactFunctions exact)
     attach("load", d.load, d.centre.f);
     attach("moving", d.moving, d.centre.c);
     if (!d.gap.empty()) {
-        expect_expansion("gap", d.gap, d.centre.constraints());
+        expect_expansion("gap", d.gap, d.centre.constraints(), parameters);
         if (static_cast<Index>(d.gap_rows.size()) != d.gap.terms.cols())
             reject("gap_rows holds " + std::to_string(d.gap_rows.size()) + " rows, expected " +
                    std::to_string(d.gap.terms.cols()));
     }
     Index size = 0;
     for (const std::string& part : d.parts) size += part_size(part, d.centre);
-    expect_expansion("others", d.others, size);
+    expect_expansion("others", d.others, size, parameters);
     if (exact_.coefficients && !d.affine)
         reject("coefficients are given, expected none: the model's other parts are not known by a family's");
     const Index quantities = static_cast<Index>(d.quantities.names.size());

@@ -219,6 +219,20 @@ TEST(ReducedModel, RefusesDataThatDoNotFit) {
     broken = data;
     broken.parts = {"D"};
     EXPECT_THROW(ReducedModel{broken}, InputError);
+    broken = data;
+    broken.gap.theta.counts.push_back(1);
+    EXPECT_THROW(ReducedModel{broken}, InputError);
+    broken = data;
+    broken.gap.theta.counts = {-1, -data.gap.theta.coefficients.cols()};
+    EXPECT_THROW(ReducedModel{broken}, InputError);
+    broken = data;
+    broken.gap.theta.lower.resize(1);
+    EXPECT_THROW(ReducedModel{broken}, InputError);
+    broken = data;
+    broken.load = {TimeGrid{0, 1, 0}, DenseMatrix::Ones(1, 2), DenseMatrix::Ones(1, 2), {}};
+    EXPECT_THROW(ReducedModel{broken}, InputError);
+    broken.load = {TimeGrid{0.1, 1, 0}, DenseMatrix::Ones(1, 2), DenseMatrix::Ones(1, 3), {}};
+    EXPECT_THROW(ReducedModel{broken}, InputError);
 }
 
 TEST(TimeTable, IsExactOnItsGridOnBothSidesOfAJumpAndLinearBetween) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <random>
 
 #include "tact/contact/automatic.hpp"
@@ -42,6 +43,51 @@ TEST(StaticErrorBound, IsAboveTheErrorOfTheFullSolutionAtHundredsOfParameters) {
         std::sort(effectivity.begin(), effectivity.end());
         EXPECT_LT(effectivity[75], 20);
     }
+}
+
+/// The stage of an implicit step is a static problem with its A for K: here of backward Euler, from rest.
+class StageFamily final : public ContactFamily {
+public:
+    explicit StageFamily(Index n) : family_(n, Motion::dynamic) {}
+    std::vector<std::string> names() const override { return family_.names(); }
+    Parameter lower() const override { return family_.lower(); }
+    Parameter upper() const override { return family_.upper(); }
+    ContactProblem at(const Parameter& gamma) const override {
+        ContactProblem stage = family_.at(gamma);
+        if (!A_) A_ = combined(stage, {1 / (dt * dt), 1 / dt, 1});
+        const Vector start = Vector::Constant(stage.size(), -0.5);
+        stage.f = Vector(stage.f.at(0) + *stage.M * start / (dt * dt));
+        stage.K = *A_;
+        stage.M.reset();
+        return stage;
+    }
+    void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+        family_.gap(gamma, rows, out);
+    }
+
+private:
+    static constexpr double dt = 0.2;
+    MembraneFamily family_;
+    mutable std::optional<Matrix> A_;
+};
+
+TEST(StaticErrorBound, IsAboveTheErrorOfAStage) {
+    const StageFamily family(20);
+    TrainingOptions options;
+    options.max_iterations = 5;
+    options.candidates = tensor_grid(family.lower(), family.upper(), {6, 5});
+    const TrainingResult trained =
+        train(family, {}, {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
+    ContactWorkspace contact(std::make_shared<AutomaticContact>()), reduced(std::make_shared<DenseContact>());
+    const StaticErrorBound bound(family, trained.basis, CholmodSolver(), contact);
+    int contacts = 0;
+    for (const Parameter& gamma : spread_points(family.lower(), family.upper(), 40)) {
+        const ContactProblem full = family.at(gamma);
+        const StaticSolution u = solve_static(full, contact), q = solve_static(trained.reduced->at(gamma), reduced);
+        contacts += u.report.active > 0;
+        EXPECT_GE(bound(gamma, q.u, q.lambda).error, energy_norm(full.K, u.u - trained.basis.U * q.u));
+    }
+    EXPECT_GT(contacts, 10);
 }
 
 /// Random programmes: no structure, any sign in B, a load that presses some rows.
