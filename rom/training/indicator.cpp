@@ -95,13 +95,19 @@ Indicator::Indicator(const ContactFamily& family, const ReducedBasis& basis, Ind
     check_weight("penetration", weights.penetration);
     check_weight("complementarity", weights.complementarity);
     check_weight("negativity", weights.negativity);
+    const std::vector<std::string> varying = family.varying();
+    const bool forces_needed = weights.complementarity != 0 || weights.negativity != 0;
+    if ((forces_needed && !only_gap_varies(family)) || std::ranges::find(varying, "B") != varying.end())
+        throw InputError(
+            "Indicator: more than the gap of the family varies, expected the gap only; without "
+            "complementarity and negativity all but B may");
     const ContactProblem full = family.at((family.lower() + family.upper()) / 2);
     validate(basis, full);
     c_ = full.c;
     rows_.resize(static_cast<std::size_t>(full.constraints()));
     std::iota(rows_.begin(), rows_.end(), Index{0});
     B_U_ = full.B.times(basis.U);
-    if (weights.complementarity == 0 && weights.negativity == 0) {
+    if (!forces_needed) {
         if (basis.primal_size() <= 2 * screening_modes) return;
         tail_norm_ = B_U_.rightCols(basis.primal_size() - screening_modes).rowwise().norm();
         row_norm_ = B_U_.rowwise().norm();

@@ -44,7 +44,7 @@ private:
 class Indicator {
 public:
     /// Holds B U (m x p), and three such matrices where alpha_2 or alpha_3 is not zero. Only the gap of the family may
-    /// depend on gamma. InputError for a negative or NaN weight; NumericalError if (B')^+ is needed and the rows of a
+    /// depend on gamma, without alpha_2 and alpha_3 all but B. InputError for that and a negative or NaN weight; NumericalError if (B')^+ is needed and the rows of a
     /// sparse B are dependent. `family` must outlive the indicator.
     Indicator(const ContactFamily& family, const ReducedBasis& basis, IndicatorWeights weights = {});
 
