@@ -91,7 +91,7 @@ Observer ReducedStateRecorder::observer(const ContactProblem& reduced) {
 }
 
 Indicator::Indicator(const ContactFamily& family, const ReducedBasis& basis, IndicatorWeights weights)
-    : family_(family), weights_(weights), parametric_(!family.names().empty()) {
+    : family_(family), weights_(weights), parametric_(!family.names().empty()), p_(basis.primal_size()) {
     check_weight("penetration", weights.penetration);
     check_weight("complementarity", weights.complementarity);
     check_weight("negativity", weights.negativity);
@@ -108,9 +108,11 @@ Indicator::Indicator(const ContactFamily& family, const ReducedBasis& basis, Ind
     std::iota(rows_.begin(), rows_.end(), Index{0});
     B_U_ = full.B.times(basis.U);
     if (!forces_needed) {
-        if (basis.primal_size() <= 2 * screening_modes) return;
-        tail_norm_ = B_U_.rightCols(basis.primal_size() - screening_modes).rowwise().norm();
-        row_norm_ = B_U_.rowwise().norm();
+        const Index screening = std::min(screening_modes, p_);
+        U_B_ = B_U_.transpose();
+        tail_norm_ = U_B_.bottomRows(p_ - screening).colwise().norm();
+        row_norm_ = U_B_.colwise().norm();
+        B_U_.conservativeResize(Eigen::NoChange, screening);
         return;
     }
     if (full.constraints() == 0) return;
@@ -147,43 +149,28 @@ DenseMatrix Indicator::rates(const ContactProblem& reduced, const ReducedStates&
     return result;
 }
 
-/// Rows that the first modes do not prove open at all times: of the others the Cauchy-Schwarz inequality says how much
-/// they can add. In modal coordinates that is little, and most of an obstacle is far away.
-std::vector<Index> Indicator::doubtful_rows(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
-                                            const DenseMatrix& c_coefficients) const {
-    const Index m = B_U_.rows(), count = q.cols();
-    const Vector tail = q.bottomRows(q.rows() - screening_modes).colwise().norm(), whole = q.colwise().norm();
-    constexpr double rounding = 1e-12;
-    std::vector<Index> rows;
-    DenseMatrix gap(block_rows, count);
-    for (Index i = 0; i < m; i += block_rows) {
-        const Index size = std::min(block_rows, m - i);
-        auto block = gap.topRows(size);
-        block.noalias() = B_U_.block(i, 0, size, screening_modes) * q.topRows(screening_modes);
-        subtract_gap(c.modes.middleRows(i, size), c.constant(), c_coefficients, block);
-        block.noalias() -= tail_norm_.segment(i, size) * tail.transpose();
-        block.noalias() -= rounding * row_norm_.segment(i, size) * whole.transpose();
-        const Vector least = block.rowwise().minCoeff();
-        for (Index k = 0; k < size; ++k)
-            if (!(least[k] >= 0)) rows.push_back(i + k);
-    }
-    return rows;
-}
-
-/// sum |[B U q - c]_-|^2.
+/// sum |[B U q - c]_-|^2. The first modes prove most gaps open: of the others the Cauchy-Schwarz inequality says how much
+/// they can add, and in modal coordinates that is little.
 double Indicator::penetration(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
                               const DenseMatrix& c_coefficients) const {
-    const std::vector<Index> rows = tail_norm_.size() > 0 ? doubtful_rows(c, q, c_coefficients) : rows_;
-    DenseMatrix some(block_rows, q.rows()), gap(block_rows, q.cols());
+    constexpr double rounding = 1e-12;
+    const Index m = B_U_.rows(), count = q.cols(), screening = B_U_.cols();
+    const Vector tail = q.bottomRows(p_ - screening).colwise().norm(), whole = q.colwise().norm();
+    DenseMatrix gap(block_rows, count);
     double sum = 0;
-    for (std::size_t first = 0; first < rows.size(); first += block_rows) {
-        const auto size = std::min<std::size_t>(block_rows, rows.size() - first);
-        const std::span<const Index> chosen(rows.data() + first, size);
-        auto block = gap.topRows(static_cast<Index>(size));
-        some.topRows(static_cast<Index>(size)) = B_U_(chosen, Eigen::all);
-        block.noalias() = some.topRows(static_cast<Index>(size)) * q;
-        subtract_gap(c.modes(chosen, Eigen::all), c.constant(), c_coefficients, block);
-        sum += block.array().min(0).square().sum();
+    for (Index i = 0; i < m; i += block_rows) {
+        const Index rows = std::min(block_rows, m - i);
+        auto block = gap.topRows(rows);
+        block.noalias() = B_U_.middleRows(i, rows) * q.topRows(screening);
+        subtract_gap(c.modes.middleRows(i, rows), c.constant(), c_coefficients, block);
+        for (Index j = 0; j < count; ++j)
+            for (Index k = 0; k < rows; ++k) {
+                const double first = gap(k, j);
+                if (first >= tail[j] * tail_norm_[i + k] + rounding * whole[j] * row_norm_[i + k]) continue;
+                const double rest = U_B_.col(i + k).tail(p_ - screening).dot(q.col(j).tail(p_ - screening));
+                const double violated = std::min(first + rest, 0.0);
+                sum += violated * violated;
+            }
     }
     return sum;
 }
@@ -192,9 +179,9 @@ double Indicator::operator()(const Parameter& gamma, const ContactProblem& reduc
                              const ReducedStates& states) const {
     const Index m = B_U_.rows(), count = states.size();
     if (m == 0 || count == 0) return 0;
-    if (states.q.rows() != B_U_.cols() || reduced.size() != B_U_.cols())
+    if (states.q.rows() != p_ || reduced.size() != p_)
         throw InputError("Indicator: q has " + std::to_string(states.q.rows()) + " rows, expected " +
-                         std::to_string(B_U_.cols()));
+                         std::to_string(p_));
     AffineVector c = c_;
     if (parametric_) {
         Vector values(m);

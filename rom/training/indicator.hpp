@@ -43,8 +43,9 @@ private:
 /// c = -infinity count nothing. Units: those of the problem, squared, so the weights depend on its scaling.
 class Indicator {
 public:
-    /// Holds B U (m x p), and three such matrices where alpha_2 or alpha_3 is not zero. Only the gap of the family may
-    /// depend on gamma, without alpha_2 and alpha_3 all but B. InputError for that and a negative or NaN weight; NumericalError if (B')^+ is needed and the rows of a
+    /// Holds B U (m x p), and up to three such matrices where alpha_2 or alpha_3 is not zero. Only the gap of the family
+    /// may depend on gamma, without alpha_2 and alpha_3 all but B. InputError for that and a negative or NaN weight;
+    /// NumericalError if (B')^+ is needed and the rows of a
     /// sparse B are dependent. `family` must outlive the indicator.
     Indicator(const ContactFamily& family, const ReducedBasis& basis, IndicatorWeights weights = {});
 
@@ -55,17 +56,16 @@ private:
     DenseMatrix rates(const ContactProblem& reduced, const ReducedStates& states) const;
     double penetration(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
                        const DenseMatrix& c_coefficients) const;
-    std::vector<Index> doubtful_rows(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
-                                     const DenseMatrix& c_coefficients) const;
 
     const ContactFamily& family_;
     IndicatorWeights weights_;
     bool parametric_;
-    std::vector<Index> rows_;  // all of them
-    AffineVector c_;           // where there are no parameters
-    DenseMatrix B_U_;
-    Vector tail_norm_,
-        row_norm_;       // of the rows of B U, behind the modes that screen and of all; empty without screening
+    std::vector<Index> rows_;      // all of them
+    AffineVector c_;               // where there are no parameters
+    DenseMatrix B_U_;              // its first modes alone where only penetration counts; then also:
+    DenseMatrix U_B_;              // (B U)'
+    Vector tail_norm_, row_norm_;  // of the rows of B U, behind the first modes and of all
+    Index p_;
     DenseMatrix force_;  // (B')^+ [K U, L U, D U]; L is M, or D in a problem of first order
     AffineVector load_;  // (B')^+ f
 };
