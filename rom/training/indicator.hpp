@@ -45,8 +45,7 @@ class Indicator {
 public:
     /// Holds B U (m x p), and up to three such matrices where alpha_2 or alpha_3 is not zero. Only the gap of the family
     /// may depend on gamma, without alpha_2 and alpha_3 all but B. InputError for that and a negative or NaN weight;
-    /// NumericalError if (B')^+ is needed and the rows of a
-    /// sparse B are dependent. `family` must outlive the indicator.
+    /// NumericalError if (B')^+ is needed and the rows of a sparse B are dependent. `family` must outlive the indicator.
     Indicator(const ContactFamily& family, const ReducedBasis& basis, IndicatorWeights weights = {});
 
     /// `reduced`: the problem at gamma the states come from.
