@@ -61,8 +61,8 @@ def main(data_file, figure_file):
         norm.set_ylabel("the same as a ratio of norms")
         axes.set_ylabel("relative error, squared norms, %")
         shown |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels())}
-    figure.legend(shown.values(), shown, loc="lower center", ncol=5 * len(scenes), frameon=False, fontsize=8.5)
-    figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))
+    figure.legend(shown.values(), shown, loc="lower center", ncol=5, frameon=False, fontsize=8.5)
+    figure.get_layout_engine().set(rect=(0, 0.11, 1, 0.89))
     title = "Greedy search by the contact indicator (paper: Figures 3 and 6)"
     figure.suptitle(title if data["size"] == "full" else f"{title} ({data['size']} size)", fontsize=11)
     figure.savefig(figure_file, format="svg", metadata={"Date": None})
