@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "tact/lib/errors.hpp"
 #include "tact/lib/row_runs.hpp"
 
 namespace tact {
@@ -65,8 +66,8 @@ private:
 class Rows {
 public:
     explicit Rows(const Matrix& A) : size_(A.rows()) {
-        if (A.dense())
-            dense_ = A;
+        if (A.dense() || A.diagonal_entries())
+            direct_ = A;
         else if (const SparseMatrix* S = A.sparse(); S && !A.is_symmetric(0))
             sparse_ = RowRuns(S->transpose());
         else
@@ -81,16 +82,38 @@ public:
     /// sum += sign A x and size += |A||x| on the `count` rows of a block.
     void add(Index block, Index count, double sign, const double* x, double* __restrict sum,
              double* __restrict size) const {
-        const DenseMatrix* A = dense_.dense();
-        if (!A) return sparse_.add(block, sign, x, sum, size);
-        // Four columns a pass, because each pass loads and stores the sums; multipliers mostly are zero.
-        for (Index j = 0; j < A->cols();) {
+        if (const DenseMatrix* A = direct_.dense())
+            return add_columns(
+                *A, block, count, sign, x, A->cols(), [](Index j) { return j; }, sum, size);
+        const Vector* diagonal = direct_.diagonal_entries();
+        if (!diagonal) return sparse_.add(block, sign, x, sum, size);
+        for (Index i = 0; i < count; ++i) {
+            const double term = (*diagonal)[block * block_rows + i] * x[block * block_rows + i];
+            sum[i] += sign * term;
+            size[i] += std::abs(term);
+        }
+    }
+    /// The same from the listed columns alone, of a dense matrix.
+    void add(Index block, Index count, double sign, const double* x, std::span<const Index> columns, double* sum,
+             double* size) const {
+        add_columns(
+            *direct_.dense(), block, count, sign, x, static_cast<Index>(columns.size()),
+            [&](Index k) { return columns[static_cast<std::size_t>(k)]; }, sum, size);
+    }
+    const DenseMatrix* dense() const { return direct_.dense(); }
+
+private:
+    // Four columns a pass, because each pass loads and stores the sums; multipliers mostly are zero.
+    template <class Column>
+    static void add_columns(const DenseMatrix& A, Index block, Index count, double sign, const double* x,
+                            Index columns, Column column_at, double* __restrict sum, double* __restrict size) {
+        for (Index next = 0; next < columns;) {
             const double* column[4];
             double factor[4] = {};
             int taken = 0;
-            for (; j < A->cols() && taken < 4; ++j)
-                if (x[j] != 0) {
-                    column[taken] = A->data() + j * A->rows() + block * block_rows;
+            for (; next < columns && taken < 4; ++next)
+                if (const Index j = column_at(next); x[j] != 0) {
+                    column[taken] = A.data() + j * A.rows() + block * block_rows;
                     factor[taken++] = x[j];
                 }
             if (taken == 0) return;
@@ -107,16 +130,29 @@ public:
             }
         }
     }
-
-private:
     Rows(Index size, RowRuns sparse) : size_(size), sparse_(std::move(sparse)) {}
     /// The rows of A', and of A where both are the same. A is not dense.
     static RowRuns columns_of(const Matrix& A) { return A.sparse() ? RowRuns(*A.sparse()) : RowRuns(A.to_sparse()); }
 
     Index size_;
     RowRuns sparse_;
-    Matrix dense_;
+    Matrix direct_;  // dense or diagonal; else empty
 };
+
+/// Of the rows with a multiplier.
+struct Touch {
+    double gap, lambda;
+};
+
+struct RowProduct {
+    double sum, size;
+};
+
+/// b'u and |b|'|u|.
+RowProduct row_product(const double* b, const double* u, Index n) {
+    const Eigen::Map<const Eigen::ArrayXd> row(b, n), x(u, n);
+    return {(row * x).sum(), (row * x).abs().sum()};
+}
 
 template <class Each> void for_each_block(Index rows, Each each) {
     for (Index block = 0; block * block_rows < rows; ++block)
@@ -155,10 +191,6 @@ bool KktResiduals::within(double tolerance, double gap_size) const {
 struct KktCertificate::Work {
     Work(const Matrix& A_, const Matrix& B_) : A(A_), B(B_), B_transposed(Rows::transposed(B_)) {}
     Rows A, B, B_transposed;
-    /// Of the rows with a multiplier.
-    struct Touch {
-        double gap, lambda;
-    };
     std::vector<Touch> touches;
 };
 
@@ -167,26 +199,58 @@ KktCertificate::~KktCertificate() = default;
 KktCertificate::KktCertificate(KktCertificate&&) noexcept = default;
 KktCertificate& KktCertificate::operator=(KktCertificate&&) noexcept = default;
 
-KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
-                                        const ConstVectorRef& lambda) const {
-    Work& w = *work_;
+namespace {
+
+/// |A u - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`.
+template <class AddForces>
+void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b, const ConstVectorRef& u,
+                       AddForces add_forces) {
     alignas(64) Buffer sum, size;
     Range residual, force_scale;
-    for_each_block(w.A.size(), [&](Index block, Index first, Index count) {
+    for_each_block(A.size(), [&](Index block, Index first, Index count) {
         for (Index i = 0; i < count; ++i) {
             sum[i] = -b[first + i];
             size[i] = std::abs(b[first + i]);
         }
-        w.A.add(block, count, 1, u.data(), sum, size);
-        w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
+        A.add(block, count, 1, u.data(), sum, size);
+        add_forces(block, count, sum, size);
         residual.take(sum, count);
         force_scale.take(size, count);
     });
-    KktResiduals kkt;
     const double forces = force_scale.highest();
     kkt.absolute.stationarity = residual.largest();
     kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
+}
 
+void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, const Range& multiplier,
+               const std::vector<Touch>& touches) {
+    const double gaps = gap_scale.highest(), multipliers = multiplier.largest();
+    kkt.absolute.penetration = -gap.lowest();
+    kkt.absolute.negativity = -multiplier.lowest();
+    kkt.penetration = ratio(kkt.absolute.penetration, gaps);
+    kkt.negativity = ratio(kkt.absolute.negativity, multipliers);
+    for (const auto& [opening, force] : touches) {
+        if (opening == infinity) {
+            // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
+            kkt.complementarity = infinity;
+        } else if (force > 0 && gaps > 0) {
+            const double share = force / multipliers;
+            kkt.complementarity = std::max(kkt.complementarity, std::min(opening / gaps, share));
+            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, opening * share);
+        }
+    }
+}
+
+}  // namespace
+
+KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                                        const ConstVectorRef& lambda) const {
+    Work& w = *work_;
+    KktResiduals kkt;
+    take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+        w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
+    });
+    alignas(64) Buffer sum, size;
     Range gap, gap_scale, multiplier;
     w.touches.clear();
     for_each_block(w.B.size(), [&](Index block, Index first, Index count) {
@@ -207,21 +271,39 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
         for (Index i = 0; i < count; ++i)
             if (force[i] != 0) w.touches.push_back({sum[i], force[i]});
     });
-    const double gaps = gap_scale.highest(), multipliers = multiplier.largest();
-    kkt.absolute.penetration = -gap.lowest();
-    kkt.absolute.negativity = -multiplier.lowest();
-    kkt.penetration = ratio(kkt.absolute.penetration, gaps);
-    kkt.negativity = ratio(kkt.absolute.negativity, multipliers);
-    for (const auto& [opening, force] : w.touches) {
-        if (opening == infinity) {
-            // A row that is switched off may carry no force: any multiplier on it is a complementarity fault.
-            kkt.complementarity = infinity;
-        } else if (force > 0 && gaps > 0) {
-            const double share = force / multipliers;
-            kkt.complementarity = std::max(kkt.complementarity, std::min(opening / gaps, share));
-            kkt.absolute.complementarity = std::max(kkt.absolute.complementarity, opening * share);
+    take_rows(kkt, gap, gap_scale, multiplier, w.touches);
+    return kkt;
+}
+
+KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                                        const ConstVectorRef& lambda, std::span<const Index> rows) const {
+    Work& w = *work_;
+    const DenseMatrix* Bt = w.B_transposed.dense();
+    if (!Bt) throw InputError("KktCertificate: B is not dense, expected dense where rows are listed");
+    KktResiduals kkt;
+    take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+        w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
+    });
+    alignas(64) Buffer opening, size, force;
+    Range gap, gap_scale, multiplier;
+    w.touches.clear();
+    for (std::size_t first = 0; first < rows.size(); first += block_rows) {
+        const std::span<const Index> some =
+            rows.subspan(first, std::min<std::size_t>(block_rows, rows.size() - first));
+        for (std::size_t k = 0; k < some.size(); ++k) {
+            const Index i = some[k];
+            const RowProduct moved = row_product(Bt->col(i).data(), u.data(), u.size());
+            opening[k] = moved.sum - c[i];
+            size[k] = c[i] <= -pseudo_infinite ? 0.0 : moved.size + std::abs(c[i]);
+            force[k] = lambda[i];
+            if (lambda[i] != 0) w.touches.push_back({opening[k], lambda[i]});
         }
+        const Index count = static_cast<Index>(some.size());
+        gap.take(opening, count);
+        gap_scale.take(size, count);
+        multiplier.take(force, count);
     }
+    take_rows(kkt, gap, gap_scale, multiplier, w.touches);
     return kkt;
 }
 

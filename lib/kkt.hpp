@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "tact/lib/matrix.hpp"
 
@@ -54,6 +55,12 @@ public:
 
     KktResiduals operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
                             const ConstVectorRef& lambda) const;
+
+    /// The same where only the listed rows are in question: the caller has proven the others open, and they carry no
+    /// multiplier. Their entries of c and lambda are not read, and the gaps' scale is that of the listed rows, which makes
+    /// residuals larger at most. For a dense B; InputError for another.
+    KktResiduals operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                            const ConstVectorRef& lambda, std::span<const Index> rows) const;
 
 private:
     struct Work;

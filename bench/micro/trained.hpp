@@ -19,13 +19,15 @@ struct Trained {
     TrainingResult result;
 };
 
-inline Trained trained(const char* name, Index n, Index p, int samples) {
+inline Trained trained(const char* name, Index n, BasisSizes sizes, int samples,
+                       DualBasis dual_basis = nnmf_basis()) {
     Trained model{study_scene(name, n), {}, {}};
     model.scheme = paper_scheme(model.scene);
     const ContactFamily& family = *model.scene.family;
     TrainingOptions options;
     options.max_iterations = samples;
-    options.sizes = [p](int) { return BasisSizes{p, p}; };
+    options.sizes = [sizes](int) { return sizes; };
+    options.dual_basis = std::move(dual_basis);
     if (!family.names().empty()) options.candidates = tensor_grid(family.lower(), family.upper(), {3, 3});
     model.result = train(family, {model.scheme.integrator, model.scheme.grid},
                          {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);

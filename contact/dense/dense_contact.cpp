@@ -6,15 +6,12 @@
 #include <vector>
 
 #include "tact/contact/dense/acceptance.hpp"
+#include "tact/contact/dense/few_rows.hpp"
 #include "tact/contact/dense/goldfarb_idnani.hpp"
-#include "tact/contact/dense/screened_gaps.hpp"
 #include "tact/lib/linear_solver.hpp"
 
 namespace tact {
 namespace {
-
-/// A violation counts above this fraction of the row's own |c_i| + |B_i u|, two digits above rounding.
-constexpr double gap_tolerance = 2e-14;
 
 class PreparedDense final : public PreparedContact {
 public:
@@ -23,68 +20,58 @@ public:
         factor_ = DenseLinearSolver().factorize(A);
         if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
         const DenseMatrix dense_B = B.to_dense();
-        W_ = dense_B.transpose();
-        factor_->solve(W_);
+        rows_.W = dense_B.transpose();
+        factor_->solve(rows_.W);
         // Rows of unit energy: the answer does not depend on how a row of B is scaled.
         for (Index i = 0; i < dense_B.rows(); ++i) {
             Index column = 0;
             if ((dense_B.row(i).array() != 0).count() != 1) continue;
             dense_B.row(i).cwiseAbs().maxCoeff(&column);
-            bounds_.push_back({i, column, dense_B(i, column)});
+            rows_.bounds.push_back({i, column, dense_B(i, column)});
         }
-        scale_ = (dense_B * W_).diagonal();
-        for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
-        B_ = scale_.asDiagonal() * dense_B;
-        W_ = W_ * scale_.asDiagonal();
-        S_ = B_ * W_;
-        S_ = (0.5 * (S_ + S_.transpose())).eval();
+        rows_.scale = (dense_B * rows_.W).diagonal();
+        for (double& s : rows_.scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
+        rows_.B = rows_.scale.asDiagonal() * dense_B;
+        rows_.W = rows_.W * rows_.scale.asDiagonal();
+        rows_.S = rows_.B * rows_.W;
+        rows_.S = (0.5 * (rows_.S + rows_.S.transpose())).eval();
         if (options.compliance > 0) {
-            compliance_ = options.compliance * S_.diagonal().cwiseQuotient(scale_.cwiseAbs2());
-            S_.diagonal() *= 1 + options.compliance;
-            bounds_.clear();  // rows give way: none is met exactly
+            rows_.compliance = options.compliance * rows_.S.diagonal().cwiseQuotient(rows_.scale.cwiseAbs2());
+            rows_.S.diagonal() *= 1 + options.compliance;
+            rows_.bounds.clear();  // rows give way: none is met exactly
         }
-        if (options.screening && inverse_.size() > 0 && ScreenedGaps::pays(B.rows(), B.cols())) {
-            screen_.emplace(B_);
-            certificate_of_open_rows_.emplace(A, Matrix(DenseMatrix(0, A.cols())));
-        }
+        constexpr Index fewest = 8;  // rows, for leaving some out to pay
+        if (options.screening && inverse_.size() > 0 && B.rows() >= fewest) few_.emplace(A, dense_B, rows_);
     }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
         report.strategy = "dense Goldfarb-Idnani";
-        if (inverse_.size() > 0) {
-            u_ = inverse_.cwiseProduct(b);
-        } else {
-            u_ = b;
-            factor_->solve(u_);
-        }
+        solve_freely(b);
+        if (few_ && few_->solve(report, b, c, u_, point, acceptable)) return report;
+        report = {};
+        report.strategy = "dense Goldfarb-Idnani";
+        solve_freely(b);
         const Index m = g_.size();
         double gap_size = 0, reach = 0;
         bool doubtful = false;  // rows were left violated by what may be rounding
         if (m > 0) {
-            w_ = c.cwiseProduct(scale_);
-            if (screen_ && (point.lambda.array() == 0).all() && screen_->all_open(u_, w_)) {
-                // Open gaps and no multipliers leave stationarity to be certified.
-                certify(report, *certificate_of_open_rows_, b, Vector(), u_, Vector(), acceptable, 0,
-                        {point.u, point.lambda.head(0)});
-                if (report.outcome == Outcome::converged) return report;
-                report.outcome = Outcome::converged;
-            }
-            g_.noalias() = B_ * u_;
+            w_ = c.cwiseProduct(rows_.scale);
+            g_.noalias() = rows_.B * u_;
             const double largest = (w_ - g_).maxCoeff();  // violation, in energy units
             if (!(largest <= 0) || (point.lambda.array() > 0).any()) {
-                allowance_ = gap_tolerance * (g_.cwiseAbs() + w_.cwiseAbs());
+                allowance_ = CondensedRows::gap_tolerance * (g_.cwiseAbs() + w_.cwiseAbs());
                 gap_size = (w_.array() == -infinity)
-                               .select(0, w_.cwiseAbs().cwiseMax(g_.cwiseAbs()).cwiseQuotient(scale_))
+                               .select(0, w_.cwiseAbs().cwiseMax(g_.cwiseAbs()).cwiseQuotient(rows_.scale))
                                .maxCoeff();
                 reach = accept_.reach(u_);
                 g_ = w_ - g_;
-                multiplier_ = point.lambda.cwiseQuotient(scale_);
-                const auto dual = dual_.solve(S_, g_, allowance_, multiplier_, w_);
+                multiplier_ = point.lambda.cwiseQuotient(rows_.scale);
+                const auto dual = dual_.solve(rows_.S, g_, allowance_, multiplier_, w_);
                 report.iterations = dual.iterations;
                 report.outcome = dual.outcome;
                 if (dual.outcome == Outcome::infeasible) {
-                    report.infeasibility = dual_.infeasibility().cwiseProduct(scale_);
+                    report.infeasibility = dual_.infeasibility().cwiseProduct(rows_.scale);
                     if (!accept_.excludes(report.infeasibility, c)) {
                         report.infeasibility.resize(0);
                         report.outcome = Outcome::inaccurate;
@@ -95,19 +82,19 @@ public:
                 if (dual.outcome != Outcome::converged) return report;
                 for (const Index i : dual_.factor().rows()) {
                     if (multiplier_[i] == 0) continue;
-                    u_ += multiplier_[i] * W_.col(i);
+                    u_ += multiplier_[i] * rows_.W.col(i);
                 }
                 // A bound is met exactly: a gap of zero then is zero, not rounding.
-                for (const auto& [row, column, weight] : bounds_)
+                for (const auto& [row, column, weight] : rows_.bounds)
                     if (multiplier_[row] > 0) u_[column] = c[row] / weight;
-                lambda_ = multiplier_.cwiseProduct(scale_);
+                lambda_ = multiplier_.cwiseProduct(rows_.scale);
                 doubtful = dual_.forgave();
             } else {
                 lambda_.setZero();
             }
         }
-        if (compliance_.size() > 0) w_ = c - compliance_.cwiseProduct(lambda_);
-        const ConstVectorRef bound = compliance_.size() > 0 ? ConstVectorRef(w_) : c;
+        if (rows_.compliance.size() > 0) w_ = c - rows_.compliance.cwiseProduct(lambda_);
+        const ConstVectorRef bound = rows_.compliance.size() > 0 ? ConstVectorRef(w_) : c;
         // NaN in b or c ends here, as does an A that is singular in all but name.
         if (!doubtful) certify(report, accept_.residuals(), b, bound, u_, lambda_, acceptable, gap_size, point);
         if (!doubtful && report.outcome == Outcome::converged) return report;
@@ -118,19 +105,22 @@ public:
 
 private:
     static constexpr double acceptable = 1e-9;
-    struct Bound {
-        Index row, column;
-        double weight;
-    };
-    std::vector<Bound> bounds_;  // the rows of B with one entry
+
+    /// u = A^-1 b
+    void solve_freely(const ConstVectorRef& b) {
+        if (inverse_.size() > 0) {
+            u_ = inverse_.cwiseProduct(b);
+        } else {
+            u_ = b;
+            factor_->solve(u_);
+        }
+    }
+
+    CondensedRows rows_;
     Acceptance accept_;
-    std::optional<ScreenedGaps> screen_;
-    std::optional<KktCertificate> certificate_of_open_rows_;  // for points that screening has proven open
+    std::optional<FewRows> few_;
     std::unique_ptr<const Factor> factor_;
-    Vector compliance_;  // diagonal of E; empty without
-    Vector inverse_;     // of A's diagonal, where it is diagonal
-    Vector scale_;
-    DenseMatrix B_, W_, S_;
+    Vector inverse_;  // of A's diagonal, where it is diagonal
     GoldfarbIdnani dual_;
     Vector u_, g_, w_, allowance_, multiplier_, lambda_;
 };

@@ -56,6 +56,12 @@ void GoldfarbIdnani::gaps(const DenseMatrix& S, const ConstVectorRef& g, VectorR
         w += multiplier_[i] * S.col(factor_.rows()[static_cast<std::size_t>(i)]).head(g.size());
 }
 
+void GoldfarbIdnani::reserve(Index m) {
+    for (Vector* v : {&multiplier_, &l_, &r_}) v->resize(m + 1);
+    factor_.reserve(m + 1);
+    forgiven_.reserve(static_cast<std::size_t>(m));
+}
+
 GoldfarbIdnani::Report GoldfarbIdnani::solve(const DenseMatrix& S, const ConstVectorRef& g,
                                              const ConstVectorRef& allowance, VectorRef lambda, VectorRef w) {
     const Index m = g.size();

@@ -24,6 +24,8 @@ public:
     Report solve(const DenseMatrix& S, const ConstVectorRef& g, const ConstVectorRef& allowance, VectorRef lambda,
                  VectorRef w);
 
+    /// Room for m rows: solves of this size do not allocate.
+    void reserve(Index m);
     /// The rows in contact, in the order they came.
     const SchurFactor& factor() const { return factor_; }
     /// After Outcome::infeasible: y >= 0 with S y = 0 and g'y > 0.

@@ -11,6 +11,7 @@ void SchurFactor::reserve(Index k) {
     const Index capacity = std::max<Index>(16, std::max(k, 2 * L_.rows()));
     L_.conservativeResize(capacity, capacity);
     work_.resize(capacity);
+    rows_.reserve(static_cast<std::size_t>(capacity));
 }
 
 void SchurFactor::solve_lower(VectorRef x) const {

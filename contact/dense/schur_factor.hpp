@@ -36,8 +36,10 @@ public:
     /// x := L^-T x.
     void solve_upper(VectorRef x) const;
 
-private:
+    /// Room for k rows: up to there nothing allocates.
     void reserve(Index k);
+
+private:
     std::vector<Index> rows_;
     DenseMatrix L_;  // the lower triangle of the leading size() x size() block
     Vector work_;

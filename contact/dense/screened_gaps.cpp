@@ -2,82 +2,150 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
-#include <numeric>
 
 namespace tact {
 namespace {
 
 /// Of |B_i||u| and |c_i|: above the rounding of any sum of up to 10000 terms.
 constexpr double rounding = 1e-12;
+/// Twice what one operation in single precision rounds by.
+constexpr float single_rounding = 1.2e-7F;
 
 /// The least number that is above c by more than rounding; -infinity stays.
 double beyond(double c) { return c * (c > 0 ? 1 + rounding : 1 - rounding); }
 
-/// Not below the length of what is left of a vector of size n, of squared length `total`, without a part of it.
-double length_left(double total, double part, Index n) {
-    const double lost = static_cast<double>(n) * std::numeric_limits<double>::epsilon() * total;  // by rounding
-    return std::sqrt(std::max(total - part, 0.0) + lost);
+constexpr Index lanes = 16;
+typedef float Lanes __attribute__((vector_size(sizeof(float) * lanes)));  // NOLINT: `using` takes no attribute
+
+Lanes load(const float* x) {
+    Lanes v;
+    std::memcpy(&v, x, sizeof v);
+    return v;
+}
+void store(const Lanes& v, float* x) { std::memcpy(x, &v, sizeof v); }
+
+/// sum += the strip's columns [first, last) times u, two sums at a time where one alone would wait for itself.
+template <int vectors> void add_columns(const float* entries, const float* u, Index first, Index last, float* sum) {
+    constexpr int ways = vectors < 4 ? 2 : 1;
+    Lanes total[ways][vectors] = {};
+    const float* column = entries + first * vectors * lanes;
+    Index j = first;
+    for (; j + ways <= last; j += ways)
+        for (int way = 0; way < ways; ++way, column += vectors * lanes)
+            for (int k = 0; k < vectors; ++k) total[way][k] += load(column + k * lanes) * u[j + way];
+    if (j < last)
+        for (int k = 0; k < vectors; ++k) total[0][k] += load(column + k * lanes) * u[j];
+    for (int k = 0; k < vectors; ++k) {
+        Lanes all = load(sum + k * lanes) + total[0][k];
+        if (ways == 2) all += total[ways - 1][k];
+        store(all, sum + k * lanes);
+    }
 }
 
 }  // namespace
 
 ScreenedGaps::ScreenedGaps(const DenseMatrix& B)
     : B_(B),
-      column_size_(B.colwise().norm()),
       row_size_(B.rowwise().norm()),
-      squares_(Vector::Zero(B.cols())),
-      order_(Eigen::VectorXi::LinSpaced(B.cols(), 0, static_cast<int>(B.cols()) - 1)),
-      lower_(B.rows()),
-      slack_(B.rows()) {}
-
-void ScreenedGaps::sort_columns() {
-    const Vector weight = squares_.cwiseSqrt().cwiseProduct(column_size_);
-    std::iota(order_.begin(), order_.end(), 0);
-    std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return weight[a] > weight[b]; });
-    const Index second = std::min(more, B_.cols());
-    head_ = B_(Eigen::all, order_.head(leading));
-    middle_ = B_(Eigen::all, order_.head(second));
-    tail_size_ = B_(Eigen::all, order_.tail(B_.cols() - leading)).rowwise().norm();
-    far_tail_size_ = B_(Eigen::all, order_.tail(B_.cols() - second)).rowwise().norm();
+      // A row whose length has overflowed or nearly vanished proves nothing in these units.
+      inverse_size_(row_size_.unaryExpr([](double size) {
+          return size > 1e-140 && size < 1e140 ? 1 / size : std::numeric_limits<double>::quiet_NaN();
+      })),
+      near_(std::min<Index>(32, B.cols())),
+      far_(std::min<Index>(64, B.cols())) {
+    const Index m = B.rows(), vectors = (m + lanes - 1) / lanes, strips = (vectors + widest - 1) / widest;
+    const Index padded = vectors * lanes;
+    entries_.setZero(padded * B.cols());
+    for (Index s = 0, row = 0; s < strips; ++s) {
+        const Index wide = vectors / strips + (s < vectors % strips ? 1 : 0);
+        float* strip = entries_.data() + row * B.cols();
+        strips_.push_back({row, wide, strip});
+        for (Index j = 0; j < B.cols(); ++j)
+            for (Index i = row; i < std::min(m, row + wide * lanes); ++i)
+                if (row_size_[i] > 0) strip[j * wide * lanes + i - row] = static_cast<float>(B(i, j) / row_size_[i]);
+        row += wide * lanes;
+    }
+    const auto tail = [&](Index columns) {
+        Eigen::VectorXf size = Eigen::VectorXf::Zero(padded);
+        for (Index i = 0; i < m; ++i)
+            if (row_size_[i] > 0)
+                size[i] = static_cast<float>(B.row(i).tail(B.cols() - columns).norm() / row_size_[i] * 1.000001);
+        return size;
+    };
+    near_tail_ = tail(near_);
+    far_tail_ = tail(far_);
+    no_tail_ = tail(B.cols());
+    direction_.resize(B.cols());
+    sum_.resize(padded);
+    bound_ = Eigen::VectorXf::Constant(padded, -std::numeric_limits<float>::infinity());
+    doubt_.reserve(static_cast<std::size_t>(m));
 }
 
-bool ScreenedGaps::all_open(const ConstVectorRef& u, const ConstVectorRef& c) {
-    // What leads changes little, and the order decides nothing but the time: looked at ever more rarely.
-    constexpr long every = 8;
-    if (calls_ < every || calls_ % every == 0) squares_ += u.cwiseAbs2();
-    if (++calls_ == next_sort_) {
-        next_sort_ *= 4;
-        sort_columns();
+void ScreenedGaps::take_columns(Index first, Index last, const ConstVectorRef& u, double unit) {
+    for (Index j = first; j < last; ++j) direction_[j] = static_cast<float>(u[j] * unit);
+    for (const Strip& strip : strips_) {
+        const auto add = [&]<int... vectors>(std::integer_sequence<int, vectors...>) {
+            ((strip.vectors == vectors + 1 ? add_columns<vectors + 1>(strip.entries, direction_.data(), first, last,
+                                                                      sum_.data() + strip.first_row)
+                                           : void()),
+             ...);
+        };
+        add(std::make_integer_sequence<int, static_cast<int>(widest)>());
     }
-    std::array<double, leading> first;
-    for (Index j = 0; j < leading; ++j) first[static_cast<std::size_t>(j)] = u[order_[j]];
-    const Eigen::Map<const Eigen::Matrix<double, leading, 1>> head(first.data());
-    const double total = u.squaredNorm(), tail = length_left(total, head.squaredNorm(), u.size());
-    const double allowance = rounding * std::sqrt(total * static_cast<double>(u.size()));
-    lower_.noalias() = head_ * head;
-    double doubtful = 0;
-    for (Index i = 0; i < lower_.size(); ++i) {
-        slack_[i] = lower_[i] - tail_size_[i] * tail - beyond(c[i]) - allowance * row_size_[i];
-        doubtful += slack_[i] > 0 ? 0.0 : 1.0;
-    }
-    return doubtful == 0 || open_at_second_look(u, c, total, allowance);
 }
 
-bool ScreenedGaps::open_at_second_look(const ConstVectorRef& u, const ConstVectorRef& c, double total,
-                                       double allowance) {
-    std::array<double, more> first;
-    const Index count = middle_.cols();
-    for (Index j = 0; j < count; ++j) first[static_cast<std::size_t>(j)] = u[order_[j]];
-    const Eigen::Map<const Vector> part(first.data(), count);
-    const double tail = length_left(total, part.squaredNorm(), u.size());
-    for (Index i = 0; i < slack_.size(); ++i) {
-        if (slack_[i] > 0) continue;
-        const double bound = beyond(c[i]) + allowance * row_size_[i];
-        if (middle_.row(i).dot(part) - far_tail_size_[i] * tail > bound) continue;
-        if (!(B_.row(i).dot(u) > bound)) return false;
+Index ScreenedGaps::count_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns) const {
+    const float left = static_cast<float>(tail * 1.000001);
+    const float allowance = single_rounding * static_cast<float>(columns + 4);
+    int count = 0;
+    for (Index i = 0; i < sum_.size(); ++i) count += sum_[i] - tail_size[i] * left - allowance > bound_[i] ? 0 : 1;
+    return count;
+}
+
+std::span<const Index> ScreenedGaps::in_doubt(const ConstVectorRef& u, const ConstVectorRef& c) {
+    const Index m = B_.rows(), p = B_.cols();
+    const double first = u.head(near_).squaredNorm(), second = u.segment(near_, far_ - near_).squaredNorm(),
+                 third = u.tail(p - far_).squaredNorm();
+    const double total = first + second + third, size = std::sqrt(total), unit = 1 / size;
+    doubt_.clear();
+    // In units of |B_i||u|. Where |u|^2 is no number that can be trusted, no bound holds, and every row is in doubt.
+    const bool measured = total > 1e-280 && total < infinity;
+    for (Index i = 0; i < m; ++i) {
+        const float bound = static_cast<float>(c[i] * inverse_size_[i] * unit);
+        bound_[i] = std::max(bound * (1 + 4 * single_rounding), bound * (1 - 4 * single_rounding));
     }
-    return true;
+    const Eigen::VectorXf* tail_size = &no_tail_;
+    double tail = measured ? 0 : infinity;
+    Index columns = p;
+    if (measured) {
+        sum_.setZero();
+        take_columns(0, near_, u, unit);
+        tail = std::sqrt(second + third) * unit;
+        if (count_doubts(near_tail_, tail, near_) == 0) return {};
+        take_columns(near_, far_, u, unit);
+        tail_size = &far_tail_;
+        tail = std::sqrt(third) * unit;
+        columns = far_;
+        constexpr Index few = 6;
+        if (const Index doubts = count_doubts(far_tail_, tail, far_); doubts == 0) {
+            return {};
+        } else if (doubts > few && far_ < p) {
+            take_columns(far_, p, u, unit);
+            tail_size = &no_tail_;
+            tail = 0;
+            columns = p;
+        }
+    }
+    const float left = static_cast<float>(tail * 1.000001);
+    const float allowed = single_rounding * static_cast<float>(columns + 4);
+    const double allowance = rounding * std::sqrt(total * static_cast<double>(p));
+    for (Index i = 0; i < m; ++i) {
+        if (measured && sum_[i] - (*tail_size)[i] * left - allowed > bound_[i]) continue;
+        if (!(B_.row(i).dot(u) > beyond(c[i]) + allowance * row_size_[i])) doubt_.push_back(i);
+    }
+    return doubt_;
 }
 
 }  // namespace tact

@@ -1,41 +1,42 @@
-// Whether all gaps are open, told from few modes.
+// Which gaps are open for certain, told from few modes in single precision.
 #pragma once
 
-#include <array>
+#include <span>
+#include <vector>
 
 #include "tact/lib/types.hpp"
 
 namespace tact {
 
-/// Proves B u > c row by row for one dense B and many (u, c): from the 16 columns that move the rows most, with the
-/// Cauchy-Schwarz bound |B_tail||u_tail| on the others; for rows that leaves in doubt from 64 columns, then from all. Which
-/// columns lead is learnt from the u it has seen. A proof covers the rounding of B u however it is summed.
+/// Proves B u > c row by row for one dense B and many (u, c): from the first 32 columns in single precision, with the
+/// Cauchy-Schwarz bound |B_tail||u_tail| on the others; for rows that leaves in doubt from 64 columns, from all of them
+/// where such rows are many, and at last each in double precision. Tells most where the first columns lead, as in
+/// modal coordinates. A proof covers the rounding of B u however it is summed.
 class ScreenedGaps {
 public:
-    static constexpr Index leading = 16;
-
     explicit ScreenedGaps(const DenseMatrix& B);
-    /// Whether it pays: there are columns to leave out and rows to leave them out of.
-    static bool pays(Index rows, Index columns) { return rows >= 8 && columns >= 2 * leading; }
-    /// True only if every gap is open; false says nothing. A c of -infinity is open, a NaN is not.
-    bool all_open(const ConstVectorRef& u, const ConstVectorRef& c);
+    /// The rows that are not proven open, ascending; valid until the next call. A c of -infinity is open, a NaN is not.
+    std::span<const Index> in_doubt(const ConstVectorRef& u, const ConstVectorRef& c);
 
 private:
-    static constexpr Index more = 64;  // columns of the second look
+    /// A strip of rows: column after column, `lanes` times a small number wide.
+    struct Strip {
+        Index first_row, vectors;
+        const float* entries;
+    };
+    static constexpr Index lanes = 16, widest = 6;
 
-    void sort_columns();
-    bool open_at_second_look(const ConstVectorRef& u, const ConstVectorRef& c, double total, double allowance);
+    void take_columns(Index first, Index last, const ConstVectorRef& u, double unit);
+    Index count_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns) const;
 
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    RowMajor B_;
-    Vector column_size_, row_size_;
-    Vector squares_;  // of each u_j, summed over calls
-    long calls_ = 0, next_sort_ = 1;
-    Eigen::VectorXi order_;
-    DenseMatrix head_;  // m x leading
-    RowMajor middle_;   // the first `more` columns
-    Vector tail_size_, far_tail_size_;
-    Vector lower_, slack_;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> B_;
+    Vector row_size_, inverse_size_;
+    Index near_, far_;         // the columns of the first and the second look
+    Eigen::VectorXf entries_;  // of the rows B_i / |B_i|
+    std::vector<Strip> strips_;
+    Eigen::VectorXf near_tail_, far_tail_, no_tail_;  // of those rows, rounded up
+    Eigen::VectorXf direction_, sum_, bound_;
+    std::vector<Index> doubt_;
 };
 
 }  // namespace tact

@@ -1,0 +1,25 @@
+// What a dense contact solve has prepared of one (A, B): the condensed problem, its rows scaled to unit energy.
+#pragma once
+
+#include <vector>
+
+#include "tact/lib/types.hpp"
+
+namespace tact {
+
+struct CondensedRows {
+    /// A row of B with one entry.
+    struct Bound {
+        Index row, column;
+        double weight;
+    };
+    DenseMatrix B, W, S;        // of the scaled rows: W = A^-1 B', S = B W, with compliance S + E
+    Vector scale;               // B is that of the problem with row i times scale_i
+    Vector compliance;          // the diagonal of E, for the rows of the problem; empty without
+    std::vector<Bound> bounds;  // none with compliance: no row is then met exactly
+
+    /// A violation counts above this fraction of the row's own |c_i| + |B_i u|, two digits above rounding.
+    static constexpr double gap_tolerance = 2e-14;
+};
+
+}  // namespace tact

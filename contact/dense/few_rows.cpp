@@ -1,0 +1,125 @@
+#include "tact/contact/dense/few_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tact {
+
+FewRows::FewRows(const Matrix& A, const DenseMatrix& B, const CondensedRows& condensed)
+    : condensed_(condensed),
+      rows_(condensed.B.transpose()),
+      screen_(B),
+      certificate_(A, Matrix(B)),
+      play_(condensed.S),
+      bound_of_(static_cast<std::size_t>(B.rows()), -1),
+      free_(B.cols()),
+      lambda_(Vector::Zero(B.rows())),
+      soft_c_(B.rows()) {
+    for (std::size_t k = 0; k < condensed.bounds.size(); ++k)
+        bound_of_[static_cast<std::size_t>(condensed.bounds[k].row)] = static_cast<Index>(k);
+    listed_.reserve(bound_of_.size());
+}
+
+/// The row joins C with the violation that A^-1 b leaves it.
+void FewRows::enter(Index row, const ConstVectorRef& c) {
+    const Index place = play_.size();
+    play_.add(row);
+    measure(place, c);
+}
+
+void FewRows::measure(Index place, const ConstVectorRef& c) {
+    const Index row = play_.rows()[static_cast<std::size_t>(place)];
+    const double bound = c[row] * condensed_.scale[row], moved = rows_.col(row).dot(free_);
+    play_.violation(place) = bound - moved;
+    play_.allowance(place) = CondensedRows::gap_tolerance * (std::abs(bound) + std::abs(moved));
+    gap_size_ = std::max(gap_size_, std::max(std::abs(bound), std::abs(moved)) / condensed_.scale[row]);
+}
+
+/// C for a guess: what was in play last time, unless that is many more.
+void FewRows::start(const ConstVectorRef& c, const ConstVectorRef& guess) {
+    constexpr Index spare = 8;
+    listed_.clear();
+    for (Index i = 0; i < guess.size(); ++i)
+        if (guess[i] > 0 && c[i] > -infinity) listed_.push_back(i);
+    if (play_.size() > static_cast<Index>(listed_.size()) + spare) play_.clear();
+    for (Index k = 0; k < play_.size(); ++k) measure(k, c);
+    for (const Index row : listed_)
+        if (!play_.holds(row)) enter(row, c);
+    for (Index k = 0; k < play_.size(); ++k) {
+        const Index row = play_.rows()[static_cast<std::size_t>(k)];
+        play_.multiplier(k) = std::max(guess[row], 0.0) / condensed_.scale[row];
+    }
+}
+
+/// u = A^-1 (b + B'lambda) for the multipliers of C.
+void FewRows::move(const ConstVectorRef& c, Vector& u) {
+    u = free_;
+    for (Index k = 0; k < play_.size(); ++k)
+        if (play_.multiplier(k) > 0)
+            u += play_.multiplier(k) * condensed_.W.col(play_.rows()[static_cast<std::size_t>(k)]);
+    if (condensed_.bounds.empty()) return;
+    // A bound is met exactly: a gap of zero then is zero, not rounding.
+    for (Index k = 0; k < play_.size(); ++k) {
+        const Index row = play_.rows()[static_cast<std::size_t>(k)], bound = bound_of_[static_cast<std::size_t>(row)];
+        if (bound < 0 || !(play_.multiplier(k) > 0)) continue;
+        const auto& [same_row, column, weight] = condensed_.bounds[static_cast<std::size_t>(bound)];
+        u[column] = c[same_row] / weight;
+    }
+}
+
+/// Lists the rows in doubt at u and lets them join C; whether one of them is violated.
+bool FewRows::take_in_doubt(const ConstVectorRef& c, const Vector& u) {
+    bool violated = false;
+    listed_.clear();
+    for (const Index row : screen_.in_doubt(u, c)) {
+        listed_.push_back(row);
+        if (play_.holds(row)) continue;
+        if (play_.size() == 0) free_ = u;
+        const Index place = play_.size();
+        enter(row, c);
+        const double gap = rows_.col(row).dot(u) - c[row] * condensed_.scale[row];
+        violated |= gap < -play_.allowance(place);
+    }
+    return violated;
+}
+
+bool FewRows::solve(ContactReport& report, const ConstVectorRef& b, const ConstVectorRef& c, Vector& u,
+                    ContactPoint point, double tolerance) {
+    gap_size_ = 0;
+    bool violated = point.lambda.size() > 0 && point.lambda.maxCoeff() > 0;
+    if (violated) {
+        free_ = u;
+        start(c, point.lambda);
+    } else if (play_.size() > 0) {
+        play_.clear();
+    }
+    do {
+        if (violated) {
+            const GoldfarbIdnani::Report dual = play_.solve();
+            report.iterations += dual.iterations;
+            if (dual.outcome != Outcome::converged || play_.forgave()) return false;
+            move(c, u);
+        }
+        violated = take_in_doubt(c, u);
+    } while (violated);
+    for (Index k = 0; k < play_.size(); ++k) {
+        if (!(play_.multiplier(k) > 0)) continue;
+        const Index row = play_.rows()[static_cast<std::size_t>(k)];
+        ++report.active;
+        lambda_[row] = play_.multiplier(k) * condensed_.scale[row];
+        if (std::find(listed_.begin(), listed_.end(), row) == listed_.end()) listed_.push_back(row);
+    }
+    const bool soft = condensed_.compliance.size() > 0;
+    if (soft)
+        for (const Index row : listed_) soft_c_[row] = c[row] - condensed_.compliance[row] * lambda_[row];
+    report.kkt = certificate_(b, soft ? ConstVectorRef(soft_c_) : c, u, lambda_, listed_);
+    const bool taken = report.kkt.within(tolerance, gap_size_);
+    if (taken) {
+        point.u = u;
+        point.lambda = lambda_;
+    }
+    for (const Index row : play_.rows()) lambda_[row] = 0;
+    return taken;
+}
+
+}  // namespace tact
