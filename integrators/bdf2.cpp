@@ -5,7 +5,6 @@
 
 #include "tact/integrators/hermite.hpp"
 #include "tact/integrators/sundials/stage_hook.hpp"
-#include "tact/integrators/sundials/vector.hpp"
 
 namespace tact {
 namespace {
@@ -19,10 +18,6 @@ public:
           next_(now_),
           before_(now_.y),
           history_(Vector::Zero(now_.y.size())),
-          now_view_(context_, now_.y),
-          next_view_(context_, next_.y),
-          before_view_(context_, before_),
-          history_view_(context_, history_),
           hook_(context_, stages_, next_, *this) {}
 
     const State& state() const override { return now_; }
@@ -40,11 +35,11 @@ public:
         // y' = a y + b:  b = -y_n / dt,  or  (y_n-1 - 4 y_n) / (2 dt)
         if (now_.step == 0) {
             a_ = 1 / dt;
-            N_VLinearSum(-1 / dt, now_view_.get(), 0, now_view_.get(), history_view_.get());
+            history_ = (-1 / dt) * now_.y;
         } else {
             a_ = 1.5 / dt;
             if (!stages_.reads_guess() || !next_is_earlier_)
-                N_VLinearSum(-2 / dt, now_view_.get(), 0.5 / dt, before_view_.get(), history_view_.get());
+                history_ = (-2 / dt) * now_.y + (0.5 / dt) * before_;
             else
                 look_back();
         }
@@ -52,16 +47,15 @@ public:
         next_is_earlier_ = false;
         t_ = grid_.t(step);
         hook_.begin_step();
-        SUNNonlinSolSolve(hook_.get(), nullptr, next_view_.get(), nullptr, 0, SUNFALSE, nullptr);
+        // No predictor and no correction: the stage reads history_ and writes next_.
+        SUNNonlinSolSolve(hook_.get(), nullptr, nullptr, nullptr, 0, SUNFALSE, nullptr);
         hook_.rethrow();
         const StepReport report{t_, step, hook_.report().outcome, hook_.report(), {}, {}};
         if (report.outcome != Outcome::converged) return report;
         next_.step = step;
-        // n-1 <- n <- n+1, storage and views together
+        // n-1 <- n <- n+1
         before_.swap(now_.y);
-        swap(before_view_, now_view_);
         now_.y.swap(next_.y);
-        swap(now_view_, next_view_);
         now_.lambda.swap(next_.lambda);
         now_.t = next_.t;
         now_.step = step;
@@ -71,7 +65,7 @@ public:
 
 private:
     Stage stage() override { return {t_, a_, history_.head(now_.n), history_.tail(history_.size() - now_.n)}; }
-    void correct(N_Vector) override {}  // there is no predictor: the solution is in next_ already
+    void correct(N_Vector) override {}
 
     /// The history b, and a guess by quadratic extrapolation in time for an iterative solver, both in one pass: at full
     /// size the states come from memory. On entry `next_` holds y_n-2.
@@ -92,7 +86,6 @@ private:
     StageSolver stages_;
     State now_, next_;
     Vector before_, history_;
-    sundials::VectorView now_view_, next_view_, before_view_, history_view_;
     sundials::StageHook hook_;
     double t_ = 0;
     double a_ = 0;

@@ -23,28 +23,38 @@ double ratio(double numerator, double denominator) {
     return numerator / std::max(denominator, underflow);
 }
 
+constexpr Index lanes = 8;
+typedef double Lanes __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT: `using` takes no attribute
+
+Lanes load(const double* x) {
+    Lanes v;
+    std::memcpy(&v, x, sizeof v);
+    return v;
+}
+/// `count` numbers, zeros after them.
+Lanes load(const double* x, Index count) {
+    Lanes v = {};
+    std::memcpy(&v, x, sizeof(double) * static_cast<std::size_t>(count));
+    return v;
+}
+
 /// The range of some numbers and zero; a NaN among them makes it infinite.
 class Range {
 public:
     void take(const double* x, Index count) {
         Index i = 0;
         for (; i + 2 * lanes <= count; i += 2 * lanes) {
-            raise(0, x + i, lanes);
-            raise(1, x + i + lanes, lanes);
+            raise(0, load(x + i));
+            raise(1, load(x + i + lanes));
         }
-        for (; i < count; i += lanes) raise(0, x + i, std::min(lanes, count - i));
+        for (; i < count; i += lanes) raise(0, load(x + i, std::min(lanes, count - i)));
     }
     double highest() const { return fold(highest_[0] > highest_[1] ? highest_[0] : highest_[1]); }
     double lowest() const { return -fold(lowest_[0] < lowest_[1] ? -lowest_[0] : -lowest_[1]); }
     double largest() const { return std::max(highest(), -lowest()); }
 
 private:
-    static constexpr Index lanes = 8;
-    typedef double Lanes __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT: `using` takes no attribute
-
-    void raise(int way, const double* x, Index count) {
-        Lanes v = {};
-        std::memcpy(&v, x, sizeof(double) * static_cast<std::size_t>(count));
+    void raise(int way, const Lanes& v) {
         highest_[way] = v > highest_[way] ? v : highest_[way];
         lowest_[way] = v < lowest_[way] ? v : lowest_[way];
         sum_[way] += v;  // keeps every NaN; a comparison drops it
@@ -61,6 +71,34 @@ private:
     // Two ways, because each comparison waits for the one before.
     Lanes highest_[2] = {}, lowest_[2] = {}, sum_[2] = {};
 };
+
+/// The largest size of some numbers; a NaN among them makes it infinite.
+class Largest {
+public:
+    void take(const Lanes& v) {
+        const Lanes size = v < 0.0 ? -v : v;
+        largest_ = size > largest_ ? size : largest_;
+        sum_ += size;
+    }
+    void take(const double* x, Index count) {
+        Index i = 0;
+        for (; i + lanes <= count; i += lanes) take(load(x + i));
+        if (i < count) take(load(x + i, count - i));
+    }
+    double value() const {
+        double largest = 0, sum = 0;
+        for (Index l = 0; l < lanes; ++l) {
+            largest = std::max(largest, largest_[l]);
+            sum += sum_[l];
+        }
+        return std::isnan(sum) ? infinity : largest;
+    }
+
+private:
+    Lanes largest_ = {}, sum_ = {};
+};
+
+Lanes size_of(const Lanes& v) { return v < 0.0 ? -v : v; }
 
 /// The rows of A in blocks, for A x and |A||x| taken together.
 class Rows {
@@ -101,6 +139,7 @@ public:
             [&](Index k) { return columns[static_cast<std::size_t>(k)]; }, sum, size);
     }
     const DenseMatrix* dense() const { return direct_.dense(); }
+    const Vector* diagonal() const { return direct_.diagonal_entries(); }
 
 private:
     // Four columns a pass, because each pass loads and stores the sums; multipliers mostly are zero.
@@ -201,13 +240,33 @@ KktCertificate& KktCertificate::operator=(KktCertificate&&) noexcept = default;
 
 namespace {
 
+/// |D u - b - force| and |D||u| + |b| + force_size over a block, in one pass.
+void take_diagonal(Index count, const double* d, const double* u, const double* b, const double* force,
+                   const double* force_size, Largest& residual, Largest& force_scale) {
+    const auto take = [&](auto load_from) {
+        const Lanes term = load_from(d) * load_from(u), load_b = load_from(b);
+        residual.take(term - load_b + load_from(force));
+        force_scale.take(size_of(term) + size_of(load_b) + load_from(force_size));
+    };
+    Index i = 0;
+    for (; i + lanes <= count; i += lanes) take([i](const double* x) { return load(x + i); });
+    if (i < count) take([i, count](const double* x) { return load(x + i, count - i); });
+}
+
 /// |A u - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`.
 template <class AddForces>
 void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b, const ConstVectorRef& u,
                        AddForces add_forces) {
     alignas(64) Buffer sum, size;
-    Range residual, force_scale;
+    Largest residual, force_scale;
     for_each_block(A.size(), [&](Index block, Index first, Index count) {
+        if (const Vector* d = A.diagonal()) {
+            std::fill_n(sum, count, 0.0);
+            std::fill_n(size, count, 0.0);
+            add_forces(block, count, sum, size);
+            return take_diagonal(count, d->data() + first, u.data() + first, b.data() + first, sum, size, residual,
+                                 force_scale);
+        }
         for (Index i = 0; i < count; ++i) {
             sum[i] = -b[first + i];
             size[i] = std::abs(b[first + i]);
@@ -217,8 +276,8 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
         residual.take(sum, count);
         force_scale.take(size, count);
     });
-    const double forces = force_scale.highest();
-    kkt.absolute.stationarity = residual.largest();
+    const double forces = force_scale.value();
+    kkt.absolute.stationarity = residual.value();
     kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
 }
 
@@ -284,6 +343,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
         w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
     });
+    if (rows.empty()) return kkt;
     alignas(64) Buffer opening, size, force;
     Range gap, gap_scale, multiplier;
     w.touches.clear();

@@ -66,7 +66,8 @@ public:
                                .maxCoeff();
                 reach = accept_.reach(u_);
                 g_ = w_ - g_;
-                multiplier_ = point.lambda.cwiseQuotient(rows_.scale);
+                // A row that is switched off may have carried a force when it was guessed.
+                multiplier_ = (c.array() == -infinity).select(0, point.lambda.cwiseQuotient(rows_.scale));
                 const auto dual = dual_.solve(rows_.S, g_, allowance_, multiplier_, w_);
                 report.iterations = dual.iterations;
                 report.outcome = dual.outcome;

@@ -86,7 +86,7 @@ bool FewRows::take_in_doubt(const ConstVectorRef& c, const Vector& u) {
 bool FewRows::solve(ContactReport& report, const ConstVectorRef& b, const ConstVectorRef& c, Vector& u,
                     ContactPoint point, double tolerance) {
     gap_size_ = 0;
-    bool violated = point.lambda.size() > 0 && point.lambda.maxCoeff() > 0;
+    bool violated = point.lambda.maxCoeff() > 0;
     if (violated) {
         free_ = u;
         start(c, point.lambda);

@@ -141,8 +141,9 @@ std::span<const Index> ScreenedGaps::in_doubt(const ConstVectorRef& u, const Con
     const float left = static_cast<float>(tail * 1.000001);
     const float allowed = single_rounding * static_cast<float>(columns + 4);
     const double allowance = rounding * std::sqrt(total * static_cast<double>(p));
+    const float *sum = sum_.data(), *reach = tail_size->data(), *bound = bound_.data();
     for (Index i = 0; i < m; ++i) {
-        if (measured && sum_[i] - (*tail_size)[i] * left - allowed > bound_[i]) continue;
+        if (measured && sum[i] - reach[i] * left - allowed > bound[i]) continue;
         if (!(B_.row(i).dot(u) > beyond(c[i]) + allowance * row_size_[i])) doubt_.push_back(i);
     }
     return doubt_;
