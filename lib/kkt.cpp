@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
@@ -72,11 +73,13 @@ private:
     Lanes highest_[2] = {}, lowest_[2] = {}, sum_[2] = {};
 };
 
+Lanes size_of(const Lanes& v) { return v < 0.0 ? -v : v; }
+
 /// The largest size of some numbers; a NaN among them makes it infinite.
 class Largest {
 public:
     void take(const Lanes& v) {
-        const Lanes size = v < 0.0 ? -v : v;
+        const Lanes size = size_of(v);
         largest_ = size > largest_ ? size : largest_;
         sum_ += size;
     }
@@ -97,8 +100,6 @@ public:
 private:
     Lanes largest_ = {}, sum_ = {};
 };
-
-Lanes size_of(const Lanes& v) { return v < 0.0 ? -v : v; }
 
 /// The rows of A in blocks, for A x and |A||x| taken together.
 class Rows {
@@ -240,18 +241,22 @@ KktCertificate& KktCertificate::operator=(KktCertificate&&) noexcept = default;
 
 namespace {
 
-/// |D u - b - force| and |D||u| + |b| + force_size over a block, in one pass.
-void take_diagonal(Index count, const double* d, const double* u, const double* b, const double* force,
-                   const double* force_size, Largest& residual, Largest& force_scale) {
+/// |D u - b| and |D||u| + |b| over a block, in one pass.
+void take_diagonal(Index count, const double* d, const double* u, const double* b, Largest& residual,
+                   Largest& force_scale) {
     const auto take = [&](auto load_from) {
         const Lanes term = load_from(d) * load_from(u), load_b = load_from(b);
-        residual.take(term - load_b + load_from(force));
-        force_scale.take(size_of(term) + size_of(load_b) + load_from(force_size));
+        residual.take(term - load_b);
+        force_scale.take(size_of(term) + size_of(load_b));
     };
     Index i = 0;
     for (; i + lanes <= count; i += lanes) take([i](const double* x) { return load(x + i); });
     if (i < count) take([i, count](const double* x) { return load(x + i, count - i); });
 }
+
+struct NoForces {
+    void operator()(Index, Index, double*, double*) const {}
+};
 
 /// |A u - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`.
 template <class AddForces>
@@ -260,13 +265,10 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
     alignas(64) Buffer sum, size;
     Largest residual, force_scale;
     for_each_block(A.size(), [&](Index block, Index first, Index count) {
-        if (const Vector* d = A.diagonal()) {
-            std::fill_n(sum, count, 0.0);
-            std::fill_n(size, count, 0.0);
-            add_forces(block, count, sum, size);
-            return take_diagonal(count, d->data() + first, u.data() + first, b.data() + first, sum, size, residual,
-                                 force_scale);
-        }
+        if constexpr (std::is_same_v<AddForces, NoForces>)
+            if (const Vector* d = A.diagonal())
+                return take_diagonal(count, d->data() + first, u.data() + first, b.data() + first, residual,
+                                     force_scale);
         for (Index i = 0; i < count; ++i) {
             sum[i] = -b[first + i];
             size[i] = std::abs(b[first + i]);
@@ -340,10 +342,13 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     const DenseMatrix* Bt = w.B_transposed.dense();
     if (!Bt) throw InputError("KktCertificate: B is not dense, expected dense where rows are listed");
     KktResiduals kkt;
+    if (rows.empty()) {
+        take_stationarity(kkt, w.A, b, u, NoForces());
+        return kkt;
+    }
     take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
         w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
     });
-    if (rows.empty()) return kkt;
     alignas(64) Buffer opening, size, force;
     Range gap, gap_scale, multiplier;
     w.touches.clear();

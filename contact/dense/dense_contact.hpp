@@ -10,8 +10,8 @@ struct DenseContactOptions {
     /// then not pressed into it: the error of reduced marches falls, at a penetration of (E lambda)_i in row i. For
     /// marches; in statics, and where energy is to be proven, leave it at 0.
     double compliance = 0;
-    /// Where A is diagonal and no multiplier is guessed: whether all gaps are open is told from few modes first. The
-    /// answer is the same to the last bit.
+    /// Where A is diagonal and B has 8 rows or more: only rows that are not proven open are solved and certified. The
+    /// answer is the same to the last bit where nothing touches, to rounding where something does.
     bool screening = true;
 };
 

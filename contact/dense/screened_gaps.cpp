@@ -26,9 +26,9 @@ Lanes load(const float* x) {
 }
 void store(const Lanes& v, float* x) { std::memcpy(x, &v, sizeof v); }
 
-/// sum += the strip's columns [first, last) times u, two sums at a time where one alone would wait for itself.
+/// sum += the strip's columns [first, last) times u, in two sums because one would wait for itself.
 template <int vectors> void add_columns(const float* entries, const float* u, Index first, Index last, float* sum) {
-    constexpr int ways = vectors < 4 ? 2 : 1;
+    constexpr int ways = 2;
     Lanes total[ways][vectors] = {};
     const float* column = entries + first * vectors * lanes;
     Index j = first;
@@ -38,9 +38,7 @@ template <int vectors> void add_columns(const float* entries, const float* u, In
     if (j < last)
         for (int k = 0; k < vectors; ++k) total[0][k] += load(column + k * lanes) * u[j];
     for (int k = 0; k < vectors; ++k) {
-        Lanes all = load(sum + k * lanes) + total[0][k];
-        if (ways == 2) all += total[ways - 1][k];
-        store(all, sum + k * lanes);
+        store(load(sum + k * lanes) + (total[0][k] + total[1][k]), sum + k * lanes);
     }
 }
 
