@@ -45,7 +45,7 @@ public:
         report.outcome = report.contact.outcome;
         if (report.outcome != Outcome::converged) return report;
         closing_ = next_.lambda;
-        before_ = now_.y;
+        coming_ = now_.y;
         if (report.contact.active > 0) {
             report.impact = impact(a);
             report.outcome = report.impact->outcome;
@@ -53,11 +53,12 @@ public:
         }
         next_.step = report.step;
         std::swap(now_, next_);
+        before_.swap(coming_);
         return report;
     }
 
 private:
-    /// From next_ = (u1, v_BDF2, nu) to (u1, v1, P/h), and before_ to the history of the next step.
+    /// From next_ = (u1, v_BDF2, nu) to (u1, v1, P/h), and coming_ to the history of the next step.
     ContactReport impact(double a) {
         const double h = grid_.dt;
         const Index n = now_.n;
@@ -67,13 +68,13 @@ private:
         free_ = next_.v() - momentum_ / a;  // w
         if (problem_.D) velocity_.solve_mass(0, impulse_);
         const Vector& shift = problem_.D ? impulse_ : momentum_;  // M^-1 B' nu
-        before_.head(n) += shift / (a * a);
+        coming_.head(n) += shift / (a * a);
         problem_.M->multiply(free_, momentum_);
         const ContactReport report = velocity_.project(now_, momentum_, h, next_);
         if (report.outcome != Outcome::converged) return report;
         free_ = next_.v() - free_;  // d_v
-        before_.head(n) -= h * free_;
-        before_.tail(n) += free_;
+        coming_.head(n) -= h * free_;
+        coming_.tail(n) += free_;
         return report;
     }
 
@@ -94,6 +95,7 @@ private:
     VelocityProjection velocity_;
     State now_, next_;  // after a step next_ is the one before
     Vector before_;     // (ub, vb)
+    Vector coming_;     // those of the step after this one
     Vector history_, impulse_, momentum_, free_, older_, oldest_;
     Vector closing_;  // position multipliers of the last step
 };

@@ -1,5 +1,6 @@
 #include "tact/lib/mass_redistribution.hpp"
 
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -36,6 +37,74 @@ std::vector<Index> steps_to_free(const SparseMatrix& K, const SparseMatrix& B, s
             order.push_back(it.row());
         }
     return steps;
+}
+
+/// Contact unknowns that are in equilibrium with the others, as far as their rows let them: what would penetrate lies on
+/// its bound, or stays where it was if its row has several entries.
+class Equilibrium {
+public:
+    /// `steps` > 0: unknowns without mass.
+    Equilibrium(const SparseMatrix& K, const SparseMatrix& B, const std::vector<Index>& steps) : K_(K), B_(B) {
+        loose_.assign(steps.size(), 0);
+        std::transform(steps.begin(), steps.end(), loose_.begin(), [](Index level) { return level > 0; });
+    }
+
+    /// K_LL x_L = f_L - K_LF x_F for the loose unknowns L; x stays where that is singular.
+    void settle(const Vector& f, Vector& x) const {
+        std::vector<Index> loose;
+        std::vector<long> place(loose_.size(), -1);
+        for (Index i = 0; i < x.size(); ++i)
+            if (loose_[static_cast<std::size_t>(i)]) {
+                place[static_cast<std::size_t>(i)] = static_cast<long>(loose.size());
+                loose.push_back(i);
+            }
+        if (loose.empty()) return;
+        Vector others = x;
+        for (const Index i : loose) others[i] = 0;
+        const Vector force = f - K_ * others;
+        std::vector<Eigen::Triplet<double, long>> entries;
+        for (const Index j : loose)
+            for (SparseMatrix::InnerIterator it(K_, j); it; ++it)
+                if (const long i = place[static_cast<std::size_t>(it.row())]; i >= 0)
+                    entries.emplace_back(i, place[static_cast<std::size_t>(j)], it.value());
+        Eigen::SparseMatrix<double> own(static_cast<Index>(loose.size()), static_cast<Index>(loose.size()));
+        own.setFromTriplets(entries.begin(), entries.end());
+        const Eigen::SparseLU<Eigen::SparseMatrix<double>> factor(own);
+        if (factor.info() != Eigen::Success) return;
+        const Vector settled = factor.solve(Vector(force(loose)));
+        if (settled.allFinite()) x(loose) = settled;
+    }
+
+    /// The unknowns of the rows that x violates are no longer loose; `before` did not violate them. Whether there are any.
+    bool hold(const Vector& c, const Vector& before, Vector& x) {
+        const Vector gap = B_ * x - c, size = B_.cwiseAbs() * x.cwiseAbs() + c.cwiseAbs();
+        const Eigen::SparseMatrix<double, Eigen::RowMajor, long> rows = B_;
+        bool any = false;
+        for (Index i = 0; i < rows.rows(); ++i) {
+            if (c[i] == -infinity || gap[i] >= -1e-14 * size[i]) continue;
+            const bool bound = rows.row(i).nonZeros() == 1;
+            for (decltype(rows)::InnerIterator it(rows, i); it; ++it) {
+                char& loose = loose_[static_cast<std::size_t>(it.col())];
+                any |= loose != 0;
+                loose = 0;
+                x[it.col()] = bound ? c[i] / it.value() : before[it.col()];
+            }
+        }
+        return any;
+    }
+
+private:
+    const SparseMatrix &K_, &B_;
+    std::vector<char> loose_;
+};
+
+void start_in_equilibrium(ContactProblem& problem, const SparseMatrix& K, const SparseMatrix& B,
+                          const std::vector<Index>& steps) {
+    Equilibrium equilibrium(K, B, steps);
+    const Vector before = problem.u0, load = problem.f.at(0), gap = problem.c.at(0);
+    do equilibrium.settle(load, problem.u0);
+    while (equilibrium.hold(gap, before, problem.u0));
+    equilibrium.settle(Vector::Zero(problem.v0.size()), problem.v0);
 }
 
 }  // namespace
@@ -79,6 +148,8 @@ ContactProblem redistribute_mass(const ContactProblem& problem, double keep) {
     }
     ContactProblem result = problem;
     result.M = Matrix::diagonal(std::move(mass));
+    constexpr double hardly_any = 1e-6;
+    if (keep < hardly_any) start_in_equilibrium(result, problem.K.to_sparse(), B, steps);
     return result;
 }
 

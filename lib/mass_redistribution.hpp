@@ -15,7 +15,9 @@ namespace tact {
 /// An unknown among contact unknowns passes its mass on through those nearer to the free ones. One unknown a node: the
 /// components of a vector field would have to receive mass of their own direction only.
 ///
-/// M alone changes; a D that was built from M stays. InputError unless the problem is valid, M is there and diagonal, keep is
+/// With hardly any mass left (`keep` < 1e-6) contact unknowns start in equilibrium with the others: u0 by K and the load at
+/// t = 0 as far as the rows allow, v0 by K alone; at rest out of equilibrium they would oscillate faster than any step follows.
+/// D, also one that was built from M, stays. InputError unless the problem is valid, M is there and diagonal, keep is
 /// in [0, 1], and every contact unknown reaches a free one through K.
 /// (Khenous, Laborde, Renard, Eur. J. Mech. A 27, 2008.)
 ContactProblem redistribute_mass(const ContactProblem& problem, double keep = 1e-14);

@@ -70,6 +70,10 @@ public:
     void dense(double t, State& out) const override {
         if (!(t >= before_t_ && t <= now_.t))
             throw InputError("Arkode: dense output at t = " + std::to_string(t) + ", expected in the last step");
+        if (t == now_.t) {
+            out = now_;
+            return;
+        }
         if (anew_) {  // ARKODE has forgotten the step before
             interpolate(before_, now_, t, out);
             return;
@@ -88,6 +92,7 @@ public:
         }
         next_.lambda = now_.lambda;
         double reached = now_.t;
+        if (ahead_) begin_anew();
         if (adaptive_) {
             stop_ = next_stop(problem_, now_.t, grid_.t(grid_.steps));
             check(ARKStepSetStopTime(memory_, stop_), "ARKStepSetStopTime");
@@ -107,6 +112,7 @@ public:
             anew_ = velocity_ && (impulse_.array() > 0).any();
             if (anew_) {
                 before_ = now_;
+                ahead_ = true;
                 report.impact = impact(report.t - now_.t);
                 report.outcome = report.impact->outcome;
                 if (report.outcome != Outcome::converged) return report;
@@ -117,7 +123,12 @@ public:
         }
         now_.t = report.t;
         now_.step = report.step;
-        if (anew_) begin_anew();
+        if (anew_) {
+            accepted_slope_.resize(0);
+            begin_anew();
+        } else if (first_implicit_ == 1 && slope_known_) {
+            accepted_slope_ = slope_;
+        }
         return report;
     }
 
@@ -173,10 +184,13 @@ private:
         return 0;
     }
 
+    /// From the state as it is, after a jump of v or a step that was taken back.
     void begin_anew() {
+        ahead_ = true;  // until all of this has worked
         y_ = now_.y;
         slope_known_ = false;
         check(ARKStepReset(memory_, now_.t, y_view_.get()), "ARKStepReset");
+        ahead_ = false;
     }
 
     /// next_'s velocity without the impulse of the stages' contact forces, projected.
@@ -220,12 +234,15 @@ private:
         try {
             auto slope = map(out);
             const auto at = map(y);
-            // The step starts from the last stage: its slope, contact forces included, is known.
-            const bool known =
-                run.slope_known_ && t == run.next_.t &&
-                (at - run.next_.y).lpNorm<Eigen::Infinity>() <= 1e-12 * run.next_.y.lpNorm<Eigen::Infinity>();
-            if (known) {
-                slope = run.slope_;
+            // The step starts from the last stage: its slope, contact forces included, is known; also when the step is
+            // tried again and has had other stages since.
+            const auto is_at = [&](const State& state) {
+                return t == state.t &&
+                       (at - state.y).lpNorm<Eigen::Infinity>() <= 1e-12 * state.y.lpNorm<Eigen::Infinity>();
+            };
+            const bool last = run.slope_known_ && is_at(run.next_);
+            if (last || (run.accepted_slope_.size() > 0 && is_at(run.now_))) {
+                slope = last ? run.slope_ : run.accepted_slope_;
                 run.first_lambda_ = run.now_.lambda;
             } else {
                 run.derivative_(t, at, slope);
@@ -293,6 +310,7 @@ private:
     }
 
     StepReport failed(int flag, StepReport report) {
+        ahead_ = true;
         if (caught_) std::rethrow_exception(std::exchange(caught_, nullptr));
         hook_.rethrow();
         report.contact = hook_.report();
@@ -328,6 +346,7 @@ private:
     double before_t_;
     double stop_ = infinity;  // of the step under way
     Vector history_, slope_, y_;
+    Vector accepted_slope_;  // at now_, where the table's first stage is explicit and it is known
     mutable Vector scratch_;
     Vector force_, solution_, none_;
     VectorView y_view_, scratch_view_;
@@ -342,7 +361,8 @@ private:
     Vector impulse_;       // h sum b_i lambda_i of the step so far
     Vector first_lambda_;  // of an explicit first stage
     State before_;
-    bool anew_ = false;  // the last step ended with a projected velocity, and ARKODE was told
+    bool anew_ = false;   // the last step ended with a projected velocity, and ARKODE was told
+    bool ahead_ = false;  // ARKODE may not be where the state is: a step has failed
     void* memory_;
     bool slope_known_ = false;
     std::exception_ptr caught_;

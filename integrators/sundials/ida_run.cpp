@@ -84,6 +84,10 @@ public:
     void dense(double t, State& out) const override {
         if (!(t >= before_t_ && t <= now_.t))
             throw InputError("Ida: dense output at t = " + std::to_string(t) + ", expected in the last step");
+        if (t == now_.t) {
+            out = now_;
+            return;
+        }
         if (anew_) {  // IDA has forgotten the step before
             interpolate(next_, now_, t, out);
             return;
@@ -104,6 +108,7 @@ public:
             report.outcome = Outcome::step_limit;
             return report;
         }
+        if (ahead_) begin_anew();
         if (!fixed_) {
             stop_ = next_stop(problem_, now_.t, end);
             check(IDASetStopTime(ida_.get(), stop_), "IDASetStopTime");
@@ -123,6 +128,7 @@ public:
             next_.t = report.t;
             anew_ = velocity_ && report.contact.active > 0 && rows_close();
             if (anew_) {
+                ahead_ = true;
                 report.impact = impact(report.t - now_.t);
                 report.outcome = report.impact->outcome;
                 if (report.outcome != Outcome::converged) return report;
@@ -190,8 +196,9 @@ private:
         problem_.M->multiply(solution_, force_);
         return velocity_->project(now_, force_, h, next_);
     }
-    /// After a jump of v: order 1, at the last step's size.
+    /// From the state as it is, after a jump of v or a step that was taken back: order 1, at the last step's size.
     void begin_anew() {
+        ahead_ = true;  // until all of this has worked
         double h = 0;
         IDAGetLastStep(ida_.get(), &h);
         y_ = now_.y;
@@ -199,6 +206,7 @@ private:
         past_ = counters_;
         past_tries_ = tries_;
         check(IDAReInit(ida_.get(), now_.t, y_view_.get(), yp_view_.get()), "IDAReInit");
+        ahead_ = false;
         check(IDASetInitStep(ida_.get(), h), "IDASetInitStep");
     }
 
@@ -343,6 +351,7 @@ private:
     Memory ida_;
     std::optional<VelocityProjection> velocity_;  // with an impact law
     bool anew_ = false;                           // the last step ended with a jump of v, and the history began anew
+    bool ahead_ = false;  // IDA is not where the state is: an impact was not resolved
     double stage_t_ = 0, stage_a_ = 0, clock_t_ = 0;
     double stop_ = infinity;  // of the step under way
     N_Vector predicted_ = nullptr;

@@ -84,6 +84,35 @@ TEST(MassRedistribution, NothingToDoIsFine) {
     EXPECT_EQ(redistribute_mass(chain(4, {1}), 1).M->main_diagonal(), Eigen::Vector4d(1, 2, 3, 4));
 }
 
+TEST(MassRedistribution, ContactUnknownsStartInEquilibriumAsFarAsTheirRowsAllow) {
+    // Rows -2.5 u_i >= 0: the ends must not be above zero. Spring forces on unknown i: the sum of u_j - u_i, and its load.
+    ContactProblem p = chain(6, {0, 5});
+    p.u0 << -3, -1, -1, 2, 1, -0.5;
+    p.v0 << 7, 1, 0, 0, -2, 7;
+    p.f = Vector(Vector::Constant(6, -0.25));
+    const ContactProblem after = redistribute_mass(p);
+    EXPECT_NEAR(after.u0[0], -1.25, 1e-14);
+    EXPECT_EQ(after.u0[5], 0) << "its equilibrium, .75, is beyond the stop";
+    EXPECT_NEAR(after.v0[0], 1, 1e-14);
+    EXPECT_EQ(after.v0[5], 7) << "held";
+    EXPECT_EQ(after.u0.segment(1, 4), p.u0.segment(1, 4));
+    EXPECT_EQ(redistribute_mass(p, 0.5).u0, p.u0) << "has inertia of its own";
+}
+
+TEST(MassRedistribution, APatchSettlesAsAWholeAndARowOfSeveralEntriesStaysWhereItWas) {
+    ContactProblem p = chain(6, {0, 1});
+    p.u0 << -5, -4, -1, 0, 0, 0;
+    EXPECT_LE((redistribute_mass(p).u0.head(2) - Eigen::Vector2d(-1, -1)).norm(), 1e-13);
+    SparseMatrix B(1, 6);
+    B.insert(0, 0) = 1;
+    B.insert(0, 1) = -1;
+    p.B = Matrix(B);
+    p.c = Vector(Vector::Constant(1, -1.0));
+    EXPECT_LE((redistribute_mass(p).u0.head(2) - Eigen::Vector2d(-1, -1)).norm(), 1e-13);
+    p.f = Vector((Vector(6) << -4, 1, 0, 0, 0, 0).finished());
+    EXPECT_EQ(redistribute_mass(p).u0, p.u0);
+}
+
 TEST(MassRedistribution, RejectsWhatIsImpossible) {
     EXPECT_THROW(redistribute_mass(chain(3, {0, 1, 2})), InputError);
     EXPECT_THROW(redistribute_mass(chain(3, {0}), -0.1), InputError);
