@@ -147,16 +147,18 @@ std::vector<std::string> stability_integrators() {
         if (!std::isnan(restitution_of(name)))
             for (const char* e : {":e=0.5", ":e=1"}) all.push_back(name + e);
         if (name == "trapezoid") all.push_back("trapezoid:rho=0.3");
-        if (name.find("dirk") != std::string::npos || name == "tr-bdf2") all.push_back(name + ":rtol=1e-4");
+        const bool table = name.find("dirk") != std::string::npos || name == "tr-bdf2";
+        if (table) all.push_back(name + ":rtol=1e-4");
+        if (table || name == "ida") all.push_back(name + ":e=0");
+        if (table) all.push_back(name + ":rtol=1e-4,e=0");
     }
     return all;
 }
 
 double restitution_of(const std::string& name) {
     const std::string base = name.substr(0, name.find(':'));
-    if (base != "trapezoid" && base != "bdf2-without-jump" && base != "moreau-jean")
-        return std::numeric_limits<double>::quiet_NaN();
-    double e = 0;
+    const bool always = base == "trapezoid" || base == "bdf2-without-jump" || base == "moreau-jean";
+    double e = always ? 0 : std::numeric_limits<double>::quiet_NaN();
     for (const char* start : {":e=", ",e="})
         if (const auto at = name.find(start); at != std::string::npos)
             std::from_chars(name.data() + at + 3, name.data() + name.size(), e);

@@ -14,7 +14,7 @@ namespace tact::bench {
 namespace {
 
 PrecisionTiming timing_of(const WorkPrecisionOptions& options) {
-    return {options.repeats, options.small ? 0.01 : 0.5, options.small ? 0.12 : 6.0};
+    return {options.repeats, options.small ? 0.01 : 0.5, options.small ? 0.12 : 4.0};
 }
 
 /// GSL's msbdf with the dense Jacobian, and its two methods that need none and suit a problem that is not stiff.
@@ -52,7 +52,7 @@ void add_gsl(Json& json, const PrecisionScene& scene, const PrecisionTiming& tim
 Json references_of(const PrecisionScene& scene) {
     Json references = Json::array();
     std::vector<std::shared_ptr<const Reference>> seen;
-    for (const PrecisionMethod& method : precision_methods()) {
+    for (const PrecisionMethod& method : precision_methods_for(scene)) {
         const auto reference = scene.reference(method);
         const auto found = std::ranges::find(seen, reference);
         const auto place = static_cast<std::size_t>(found - seen.begin());
@@ -71,7 +71,7 @@ Json references_of(const PrecisionScene& scene) {
 
 void measure(Json& json, const PrecisionScene& scene, const WorkPrecisionOptions& options) {
     const PrecisionTiming timing = timing_of(options);
-    const auto& methods = precision_methods();
+    const auto methods = precision_methods_for(scene);
     double count = scene.gsl ? 3 * static_cast<double>(scene.tolerances.size()) : 0;
     for (const PrecisionMethod& method : methods)
         count += static_cast<double>(method.adaptive ? scene.tolerances.size() : scene.steps.size());
@@ -106,6 +106,7 @@ Json run_work_precision(const WorkPrecisionOptions& options) {
     json["study"] = "work-precision";
     json["size"] = options.small ? "small" : "full";
     json["repeats"] = options.repeats;
+    json["limit_seconds"] = timing_of(options).limit;
     json["machine"] = machine();
     for (const char* list : {"scenes", "rows", "answers"}) json[list] = Json::array();
     for (const PrecisionScene& scene : studied) measure(json, scene, options);

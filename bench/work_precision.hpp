@@ -9,13 +9,14 @@
 namespace tact::bench {
 
 struct WorkPrecisionOptions {
-    bool small = false;  ///< membrane 12 x 12 and plates 8 x 8 instead of 100 x 100 and 40 x 40, bars likewise
+    bool small =
+        false;  ///< membrane 12 x 12 and plates 8 x 8 instead of the paper's 200 x 200 and 100 x 100, bars likewise
     int repeats = 5;
     std::vector<std::string> scenes = {};  ///< of precision_scene_names; empty: all
     bool answers = true;                   ///< the measurements behind the closing table that are no rows
 };
 
-/// {"study", "size", "repeats", "machine", "scenes": [{"scene", "what", "unknowns", "constraints", "references": [{"how",
+/// {"study", "size", "repeats", "limit_seconds" after which a march is given up, "machine", "scenes": [{"scene", "what", "unknowns", "constraints", "references": [{"how",
 /// "own_error_u", "own_error_lambda", "methods"}]}], "rows": [...], "answers": [...]}.
 ///
 /// A row: {"scene", "integrator", "parameter", "steps", "seconds", "error_u", "error_lambda", "energy_drift",

@@ -94,7 +94,8 @@ std::string work_precision_table(const Json& json) {
 std::string work_precision_markdown(const Json& json) {
     std::string text = "# Work and precision of the integrators\n\nSize: " + json["size"].get<std::string>() +
                        ". CPU time of one thread, medians over up to " + json["repeats"].dump() +
-                       " marches (one where a march is long). " + machine_line(json["machine"]) +
+                       " marches (one where a march is long), which are given up after " +
+                       digits(json["limit_seconds"]) + " s. " + machine_line(json["machine"]) +
                        ".\n\n![work-precision](work-precision.svg)\n\n";
     text +=
         "- *time*: a march on a fresh workspace; what it prepares on the way (factors, compliances) is in it, the "
@@ -113,7 +114,7 @@ std::string work_precision_markdown(const Json& json) {
         "- *restitution*: smallest and largest observed on single rows; `-`: no row that closed while approaching "
         "has opened.\n"
         "- Energy and restitution come from a second march that is not timed. \"adaptive\" and ida: rtol is swept, "
-        "atol = rtol/1000.\n";
+        "atol = rtol/1000. e=0: velocities are projected where rows close.\n";
     for (const Json& scene : json["scenes"]) {
         text.append("\n## ").append(scene["scene"].get<std::string>()).append("\n\n");
         text.append(scene["what"].get<std::string>()).append("; ");

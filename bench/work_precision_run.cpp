@@ -81,15 +81,25 @@ std::unique_ptr<Integrator> PrecisionMethod::make(double tolerance) const {
 }
 
 const std::vector<PrecisionMethod>& precision_methods() {
-    static const std::vector<PrecisionMethod> all{{"bdf2", false, false},       {"bdf2-without-jump", false, true},
-                                                  {"trapezoid", false, true},   {"trapezoid:rho=0.3", false, true},
-                                                  {"moreau-jean", false, true}, {"ida-fixed", false, false},
-                                                  {"sdirk2", false, false},     {"tr-bdf2", false, false},
-                                                  {"esdirk32", false, false},   {"sdirk54", false, false},
-                                                  {"ida", true, false},         {"sdirk2", true, false},
-                                                  {"tr-bdf2", true, false},     {"esdirk32", true, false},
-                                                  {"sdirk54", true, false}};
+    static const std::vector<PrecisionMethod> all{{"bdf2", false, false},        {"bdf2-without-jump", false, true},
+                                                  {"trapezoid", false, true},    {"trapezoid:rho=0.3", false, true},
+                                                  {"moreau-jean", false, true},  {"ida-fixed", false, false},
+                                                  {"sdirk2", false, false},      {"tr-bdf2", false, false},
+                                                  {"esdirk32", false, false},    {"sdirk54", false, false},
+                                                  {"ida", true, false},          {"sdirk2", true, false},
+                                                  {"tr-bdf2", true, false},      {"esdirk32", true, false},
+                                                  {"sdirk54", true, false},      {"sdirk2:e=0", false, false},
+                                                  {"tr-bdf2:e=0", false, false}, {"esdirk32:e=0", false, false},
+                                                  {"sdirk54:e=0", false, false}, {"ida:e=0", true, false},
+                                                  {"sdirk2:e=0", true, false},   {"tr-bdf2:e=0", true, false},
+                                                  {"esdirk32:e=0", true, false}, {"sdirk54:e=0", true, false}};
     return all;
+}
+
+std::vector<PrecisionMethod> precision_methods_for(const PrecisionScene& scene) {
+    std::vector<PrecisionMethod> methods = precision_methods();
+    if (!scene.impacts) std::erase_if(methods, [](const PrecisionMethod& method) { return method.has_impact_law(); });
+    return methods;
 }
 
 Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers) {

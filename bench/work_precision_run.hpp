@@ -19,10 +19,14 @@ struct PrecisionMethod {
     bool mean_force = false;
 
     std::string label() const { return adaptive && name.rfind("ida", 0) != 0 ? name + ", adaptive" : name; }
+    /// Whether it is a variant whose impact law is an option.
+    bool has_impact_law() const { return name.find(":e=") != std::string::npos; }
     std::unique_ptr<Integrator> make(double tolerance) const;
 };
-/// All, the fixed ones first.
+/// All; those with an impact law as an option last.
 const std::vector<PrecisionMethod>& precision_methods();
+/// Without those where nothing meets.
+std::vector<PrecisionMethod> precision_methods_for(const PrecisionScene& scene);
 
 /// The states of one march at the output times, and its ledgers where they were wanted.
 struct Recorded {

@@ -16,10 +16,11 @@ STYLE = {
 
 
 def style_of(integrator):
-    base = integrator.replace(", adaptive", "")
+    base = integrator.replace(", adaptive", "").replace(":e=0", "")
     colour, marker = STYLE.get(base, ("#444444", "*"))
     dashed = "adaptive" in integrator or base == "ida" or base.startswith("GSL")
-    return {"color": colour, "marker": marker, "linestyle": "--" if dashed else "-", "markersize": 4.5, "linewidth": 1.1,
+    line = (":" if dashed else "-.") if ":e=0" in integrator else "--" if dashed else "-"
+    return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, "linewidth": 1.1,
             "markerfacecolor": "white" if dashed else colour}
 
 
@@ -65,7 +66,7 @@ def main(data_file, figure_file):
                 axes.set_xlabel("CPU s")
     figure.tight_layout(rect=(0, 0.09 if bands == 2 else 0.16, 1, 0.97))
     figure.legend(list(shown.values()), list(shown), loc="lower center", ncol=6, frameon=False, fontsize=9)
-    title = "Error against run time; solid: fixed steps, dashed: adaptive"
+    title = "Error against run time; solid: fixed steps, dashed: adaptive; dotted: with an impact law"
     figure.suptitle(title if data["size"] == "full" else f"{title} ({data['size']} size)", fontsize=11)
     figure.savefig(figure_file, format="svg", metadata={"Date": None})
 

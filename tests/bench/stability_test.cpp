@@ -86,6 +86,8 @@ TEST(Stability, EveryIntegratorIsAskedAndItsRestitutionKnown) {
     EXPECT_EQ(restitution_of("trapezoid"), 0);
     EXPECT_EQ(restitution_of("trapezoid:rho=0.3,e=0.25"), 0.25);
     EXPECT_EQ(restitution_of("moreau-jean:e=1"), 1);
+    EXPECT_EQ(restitution_of("ida:e=0"), 0);
+    EXPECT_TRUE(std::isnan(restitution_of("sdirk2:rtol=1e-4")));
     EXPECT_TRUE(std::isnan(restitution_of("bdf2")));
     for (const StabilityCase& c : stability_cases(true)) {
         int asked = 0;
