@@ -351,7 +351,7 @@ private:
     Memory ida_;
     std::optional<VelocityProjection> velocity_;  // with an impact law
     bool anew_ = false;                           // the last step ended with a jump of v, and the history began anew
-    bool ahead_ = false;  // IDA is not where the state is: an impact was not resolved
+    bool ahead_ = false;                          // IDA is not where the state is: an impact was not resolved
     double stage_t_ = 0, stage_a_ = 0, clock_t_ = 0;
     double stop_ = infinity;  // of the step under way
     N_Vector predicted_ = nullptr;
