@@ -26,6 +26,7 @@ struct Recipe {
     std::optional<double> dual_share = 1;  // p_lambda / p
     double supremizers = 0;
     double compliance = 0;
+    bool every_size = false;  // else at the paper's size only
 };
 
 Recipe nnmf_recipe(std::string name, NnmfUpdates updates) {
@@ -47,7 +48,7 @@ Recipe random_nnmf_recipe() {
 const std::vector<Recipe>& recipes() {
     static const std::vector<Recipe> all = [] {
         std::vector<Recipe> list;
-        list.push_back(nnmf_recipe("NNMF", NnmfUpdates::hierarchical));
+        list.push_back({"NNMF", {nnmf_basis()}, 1, 0, 0, true});
         list.push_back(random_nnmf_recipe());
         list.push_back(nnmf_recipe("NNMF, multiplicative", NnmfUpdates::multiplicative));
         list.push_back(nnmf_recipe("NNMF, alternating least squares", NnmfUpdates::least_squares));
@@ -55,14 +56,14 @@ const std::vector<Recipe>& recipes() {
             list.push_back({"NNMF, supremizers", {nnmf_basis()}, 1 - share, share});
         list.push_back({"cone-projected greedy", {cone_projected_greedy()}});
         list.push_back({"snapshots", {snapshot_cone()}});
-        list.push_back({"all snapshots", {snapshot_cone()}, std::nullopt});
-        list.push_back({"selected rows", {selected_rows()}, 0.5});
-        list.push_back({"selected rows", {selected_rows()}, 1});
+        list.push_back({"all snapshots", {snapshot_cone()}, std::nullopt, 0, 0, true});
+        list.push_back({"selected rows", {selected_rows()}, 0.5, 0, 0, true});
+        for (const double share : {1.0, 2.0, 4.0}) list.push_back({"selected rows", {selected_rows()}, share});
         list.push_back({"selected rows, supremizers", {selected_rows()}, 0.5, 0.15});
         list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.1});
-        list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.3});
+        list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.3, true});
         list.push_back({"selected rows, compliance", {selected_rows()}, 1, 0, 0.3});
-        list.push_back({"NNMF, compliance", {nnmf_basis()}, 1, 0, 0.3});
+        list.push_back({"NNMF, compliance", {nnmf_basis()}, 1, 0, 0.3, true});
         list.push_back({"touched rows", {touched_rows()}, std::nullopt});
         list.push_back({"singular vectors", {singular_vectors()}});
         return list;
@@ -220,7 +221,7 @@ void mark_pareto(Json& rows) {
     }
 }
 
-/// Sizes p, each with its neighbours.
+/// Sizes p, each with its neighbours; the paper's is the second.
 std::vector<std::vector<Index>> sizes_of(const std::string& scene, bool small) {
     std::vector<Index> middles{40, 100, 150, 200};
     Index step = 2, neighbours = 1;
@@ -294,6 +295,7 @@ Json run_bases(const BasesOptions& options) {
     for (const std::string& name : wanted_scenes("bases", options.scenes)) {
         const PaperStudy study = paper_study(name, options.small);
         const std::vector<std::vector<Index>> sizes = sizes_of(name, options.small);
+        const std::size_t paper_size = std::min<std::size_t>(1, sizes.size() - 1);
         const std::vector<TrainingSet> sets = training_sets(study);
         const std::vector<std::string> integrators =
             study.scene.is_static() ? std::vector<std::string>{"none"}
@@ -326,8 +328,9 @@ Json run_bases(const BasesOptions& options) {
                 Progress progress(name + ", " + method + ": bases",
                                   static_cast<double>(chosen.size() * sizes.size()));
                 for (const Recipe* recipe : chosen)
-                    for (const std::vector<Index>& members : sizes) {
-                        json["rows"].push_back(row_of(setting, *recipe, members, options.repeats));
+                    for (std::size_t k = 0; k < sizes.size(); ++k) {
+                        if (recipe->every_size || k == paper_size)
+                            json["rows"].push_back(row_of(setting, *recipe, sizes[k], options.repeats));
                         progress.add(1);
                     }
             }
