@@ -6,6 +6,7 @@
 #include "tact/bench/progress.hpp"
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
+#include "tact/rom/training/construction.hpp"
 #include "tact/rom/training/sampling.hpp"
 
 namespace tact::bench {
@@ -68,21 +69,33 @@ std::vector<Parameter> training_candidates(const PaperStudy& study, GridKind kin
     return tensor_grid(family.lower(), family.upper(), {side, side}, kind);
 }
 
+DefaultTraining default_training(const PaperStudy& study) {
+    TrainingOptions options;
+    options.candidates = training_candidates(study, GridKind::cell_centred);
+    if (study.scene.is_static()) {
+        options.selection = Selection::in_order;
+        options.max_iterations = static_cast<int>(options.candidates.size());
+        const Construction construction = static_construction(study.p, options.max_iterations);
+        return {construction.applied_to(options), construction.compliance};
+    }
+    options.max_iterations = study.samples;
+    const Index p = study.scene.family->names().empty() ? 15 * study.p / 4 : 3 * study.p / 2;
+    const Construction construction = march_construction(p, study.samples);
+    return {construction.applied_to(options), construction.compliance};
+}
+
 TrainingOptions paper_training(const PaperStudy& study) {
     TrainingOptions options;
     options.candidates = training_candidates(study, GridKind::cell_centred);
     options.max_iterations = study.samples;
-    options.sizes = [last = study.p, samples = study.samples](int sample) {
-        // paper_sizes, scaled to what the study ends with.
-        const Index p =
-            samples == 1 ? last : std::max<Index>(1, paper_sizes(sample).p * last / paper_sizes(samples).p);
-        return BasisSizes{p, p};
-    };
+    const Construction construction =
+        study.scene.is_static() ? paper_static_construction() : paper_march_construction(study.p, study.samples);
+    options = construction.applied_to(options);
     return options;
 }
 
 TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options,
-                                   const std::string& label) {
+                                   const std::string& label, double compliance) {
     Progress progress(study.scene.name + ": " + label, options.max_iterations);
     options.observer = [&progress, told = options.observer](const TrainingProgress& at) {
         if (interrupted() || (told && told(at) == Flow::stop)) return Flow::stop;
@@ -94,7 +107,9 @@ TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod
         return Flow::proceed;
     };
     TrainingResult result = train(*study.scene.family, method,
-                                  {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
+                                  {std::make_shared<AutomaticContact>(),
+                                   std::make_shared<DenseContact>(DenseContactOptions{.compliance = compliance})},
+                                  options);
     throw_if_interrupted();
     if (result.outcome != Outcome::converged)
         throw NumericalError(study.scene.name + ": " + label + ": " + std::string(to_string(result.reason)) +

@@ -28,12 +28,20 @@ std::vector<std::string> wanted_scenes(const std::string& study, const std::vect
 /// The candidates of greedy training, 10 x 10 (small: 5 x 5); one without parameters.
 std::vector<Parameter> training_candidates(const PaperStudy& study, GridKind kind);
 
+/// Our own: contact at selected rows (march_construction, static_construction). In marches the paper's greedy search with
+/// half as many modes again, in statics all candidates. `compliance` is for the reduced contact solver.
+struct DefaultTraining {
+    TrainingOptions options;
+    double compliance = 0;
+};
+DefaultTraining default_training(const PaperStudy& study);
+
 /// The paper's training, Algorithm 2, of that study: candidates cell-centred, NNMF, BDF2.
 TrainingOptions paper_training(const PaperStudy& study);
 
 /// train() with a progress bar, ended by a signal. NumericalError where training fails; Interrupted.
 TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod& method, TrainingOptions options,
-                                   const std::string& label = "training");
+                                   const std::string& label = "training", double compliance = 0);
 
 /// The parameters training sampled, in their order.
 std::vector<Parameter> samples_of(const TrainingResult& trained);

@@ -109,18 +109,22 @@ Json ratio(const Json& seconds, double reduced) {
     return seconds.is_number() ? Json(seconds.get<double>() / reduced) : Json();
 }
 
-Json row_of(const PaperStudy& study, int repeats) {
+Json row_of(const PaperStudy& study, const std::string& bases, int repeats) {
     const StudyScene& scene = study.scene;
     const Scheme scheme = paper_scheme(scene);
+    const DefaultTraining training =
+        bases == "paper" ? DefaultTraining{paper_training(study), 0} : default_training(study);
     TrainingResult trained;
     const double training_seconds = seconds_of([&] {
-        trained = train_with_progress(study, {scheme.integrator, scheme.grid}, paper_training(study));
+        trained = train_with_progress(study, {scheme.integrator, scheme.grid}, training.options, "training",
+                                      training.compliance);
     });
     const std::vector<Parameter> tests = without(study.tests, samples_of(trained));
     const std::vector<Parameter> queries = timed_queries(tests, repeats);
 
     ContactWorkspace full_workspace(std::make_shared<AutomaticContact>());
-    ContactWorkspace reduced_workspace(std::make_shared<DenseContact>());
+    ContactWorkspace reduced_workspace(
+        std::make_shared<DenseContact>(DenseContactOptions{.compliance = training.compliance}));
     const FullTimes full = full_times(study, scheme, queries, full_workspace);
     const double reduced = reduced_seconds(*trained.reduced, scheme, tests, repeats, reduced_workspace);
     const WorstErrors worst =
@@ -135,6 +139,7 @@ Json row_of(const PaperStudy& study, int repeats) {
     row["steps"] = scheme.steps();
     row["p"] = trained.basis.primal_size();
     row["p_lambda"] = trained.basis.dual_size();
+    row["compliance"] = training.compliance;
     row["full_seconds"] = full.warm;
     row["full_cold_seconds"] = full.cold;
     row["full_method"] = full.last.strategy;
@@ -176,14 +181,17 @@ Json row_of(const PaperStudy& study, int repeats) {
 Json run_speedup(const SpeedupOptions& options) {
     if (options.repeats < 1)
         throw InputError("speedup: repeats is " + std::to_string(options.repeats) + ", expected at least 1");
+    if (options.bases != "default" && options.bases != "paper")
+        throw InputError("speedup: bases is " + options.bases + ", expected default or paper");
     Json json;
     json["study"] = "speedup";
     json["size"] = options.small ? "small" : "full";
     json["repeats"] = options.repeats;
+    json["bases"] = options.bases;
     json["machine"] = machine();
     json["rows"] = Json::array();
     for (const std::string& name : wanted_scenes("speedup", options.scenes))
-        json["rows"].push_back(row_of(paper_study(name, options.small), options.repeats));
+        json["rows"].push_back(row_of(paper_study(name, options.small), options.bases, options.repeats));
     return json;
 }
 

@@ -80,8 +80,12 @@ std::string speedup_table(const Json& json) {
 std::string speedup_markdown(const Json& json) {
     std::string text = "# Speed-ups of the reduced models\n\n";
     text += "Size: " + json["size"].get<std::string>() + ". Medians over " + json["repeats"].dump() +
-            " repeats of CPU time of one thread. " + machine_line(json["machine"]) +
-            ".\n\n![speed-ups](speedup.svg)\n\n";
+            " repeats of CPU time of one thread. Bases: " +
+            (json["bases"] == "paper"
+                 ? "the paper's method (POD and NNMF of equal size; in statics the snapshots themselves)"
+                 : "our default (contact at selected rows, in marches with a compliance of .3; "
+                   "`--bases paper` is the paper's method)") +
+            std::string(". ") + machine_line(json["machine"]) + ".\n\n![speed-ups](speedup.svg)\n\n";
     text += speedup_table(json) + "\n";
     text +=
         "- *full run*: the fastest full solver we have, one further run after the first: what does not depend on the "

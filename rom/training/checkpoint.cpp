@@ -92,6 +92,7 @@ TrainingIdentity training_identity(const ContactFamily& family, const TrainingMe
                                   : "none");
     add("candidates", digest_of(options.candidates));
     add("first", options.first ? digest_of(std::vector{*options.first}) : "the nearest to the centre");
+    add("selection", options.selection == Selection::greedy ? "greedy" : "in order");
     add("compression", !options.compression                        ? "as usual"
                        : *options.compression == Compression::none ? "none"
                                                                    : "pod_and_dual_basis");

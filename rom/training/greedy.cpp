@@ -29,6 +29,9 @@ private:
     ReducedBasis raw_basis() const;
     bool compress();
     void reduce_family();
+    bool complete() const;
+    bool bases_due() const;
+    bool go_on(Parameter& gamma);
     bool search(Parameter& gamma);
     bool scan_candidates();
     bool failed(Outcome outcome, StopReason reason, const Parameter& gamma, long step);
@@ -118,8 +121,8 @@ Training::Training(const ContactFamily& family, const TrainingMethod& method, co
 TrainingResult Training::run() {
     Parameter gamma = first_sample();
     for (bool resumed = resume();; resumed = false) {
-        if (!resumed && !(sample(gamma) && build_basis())) break;
-        const bool more = search(gamma);
+        if (!resumed && !(sample(gamma) && (!bases_due() || build_basis()))) break;
+        const bool more = options_.selection == Selection::greedy ? search(gamma) : go_on(gamma);
         if (result_.outcome != Outcome::converged) break;
         if (!resumed) save();
         if (!more) break;
@@ -131,6 +134,7 @@ TrainingResult Training::run() {
 
 Parameter Training::first_sample() const {
     if (options_.first) return *options_.first;
+    if (options_.selection == Selection::in_order) return candidates_.front();
     return candidates_[static_cast<std::size_t>(nearest_to_centre(candidates_, family_.lower(), family_.upper()))];
 }
 
@@ -143,7 +147,7 @@ bool Training::resume() {
         throw InputError("train: checkpoint " + options_.checkpoint.string() + " holds " + std::to_string(samples()) +
                          " iterations, expected at most max_iterations, " + std::to_string(options_.max_iterations));
     for (const TrainingIteration& iteration : state_.history) mark_sampled(iteration.gamma);
-    reduce_family();
+    if (state_.basis.primal_size() > 0) reduce_family();
     return true;
 }
 
@@ -156,10 +160,24 @@ void Training::mark_sampled(const Parameter& gamma) {
         if (candidates_[j] == gamma) sampled_[j] = true;
 }
 
+bool Training::complete() const {
+    return samples() == options_.max_iterations || std::ranges::find(sampled_, false) == sampled_.end();
+}
+
+bool Training::bases_due() const { return options_.selection == Selection::greedy || complete(); }
+
+/// The next candidate in order, or why training ends here.
+bool Training::go_on(Parameter& gamma) {
+    if (samples() == options_.max_iterations) return ended(StopReason::iterations);
+    if (complete()) return ended(StopReason::candidates_exhausted);
+    gamma = candidates_[static_cast<std::size_t>(std::ranges::find(sampled_, false) - sampled_.begin())];
+    return true;
+}
+
 /// Steps 6 to 18: where to sample next, or why training ends here.
 bool Training::search(Parameter& gamma) {
     if (samples() == options_.max_iterations) return ended(StopReason::iterations);
-    if (std::ranges::find(sampled_, false) == sampled_.end()) return ended(StopReason::candidates_exhausted);
+    if (complete()) return ended(StopReason::candidates_exhausted);
     if (current().indicators.empty() && !scan_candidates()) return false;
     const std::size_t next = next_candidate();
     current().max_indicator = current().indicators[next];

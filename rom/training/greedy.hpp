@@ -37,9 +37,14 @@ struct TrainingProgress {
 
 struct TrainingResult;
 
+/// Which candidate is sampled next: the one with the largest indicator, or the first not yet sampled. In order there are no
+/// reduced runs, and the bases are built once, after the last sample.
+enum class Selection { greedy, in_order };
+
 struct TrainingOptions {
     std::vector<Parameter> candidates;  ///< not needed with `first` and one iteration, or without parameters
     std::optional<Parameter> first;     ///< absent: the candidate nearest the centre of the box
+    Selection selection = Selection::greedy;
     int max_iterations = 10;
     double epsilon = 0;  ///< stop when I(gamma_next) < epsilon I(gamma_2)
     /// Absent: none in statics, else pod_and_dual_basis.

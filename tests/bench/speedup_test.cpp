@@ -55,6 +55,7 @@ TEST(Speedup, RowHasTheFieldsAndTheirMeaning) {
 
 TEST(Speedup, RejectsBadInput) {
     EXPECT_THROW(run_speedup({.small = true, .repeats = 0}), InputError);
+    EXPECT_THROW(run_speedup({.small = true, .bases = "wavelets"}), InputError);
     EXPECT_THROW(run_speedup({.small = true, .scenes = {"plates"}}), InputError);
 }
 
