@@ -6,6 +6,7 @@
 
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
+#include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/proximal_contact.hpp"
 #include "tact/tests/laws/quadratic_programs.hpp"
 
@@ -154,6 +155,20 @@ TEST(HardProblems, AnIndefiniteMatrixIsNotSolvedAsIfItWereDefinite) {
         } catch (const std::exception& error) {
             EXPECT_TRUE(dynamic_cast<const InputError*>(&error) || dynamic_cast<const NumericalError*>(&error));
         }
+    }
+}
+
+TEST(HardProblems, ARowBeyondAnyNumberExcusesNoViolation) {
+    // Found by fuzzing: |B||u| overflows, and what is measured by it was always small.
+    const double huge = std::numeric_limits<double>::max();
+    const QuadraticProgram qp{DenseMatrix::Identity(1, 1), DenseMatrix{{huge}, {-huge}, {-12}}, Vector{{-12}},
+                              Vector{{-12, 12, -12}}};
+    for (const auto& solver : {std::shared_ptr<const ContactSolver>(std::make_shared<AutomaticContact>()),
+                               std::shared_ptr<const ContactSolver>(std::make_shared<KluActiveSet>()),
+                               std::shared_ptr<const ContactSolver>(std::make_shared<OrthogonalContact>())}) {
+        const Solved s = solve(*solver, qp);
+        EXPECT_NE(s.report.outcome, Outcome::converged);
+        EXPECT_EQ(s.u[0], 0);
     }
 }
 
