@@ -19,7 +19,7 @@ struct EnergyBound {
 
 /// For the solution u of  min 1/2 u'Ku - f'u, Bu >= c  and any q, s >= 0 and U_lambda >= 0:
 ///   |u - U q|_K <= |z - rho|_K / 2 + (|z + rho|_K^2 / 4 + s'U_lambda'(B (U q + z) - c))^(1/2)
-/// for every z with B (U q + z) >= c: u + z and U q - rho lie on the two sides of the duality gap, whose halves bound their
+/// for every z with B (U q + z) >= c: U q + z and U q - rho lie on the two sides of the duality gap, whose halves bound their
 /// distances to u (the hypercircle of Prager and Synge, Quart. Appl. Math. 5, 1947). With |z - rho|, |z + rho| <= |z| + |rho|
 /// it takes the form of the bound of Haasdonk, Salomon, Wohlmuth (SIAM J. Numer. Anal. 50, 2012); it is the error |rho| where
 /// nothing is in contact. Here z is made of p_lambda lifts, the least in energy with B w_j >= 1 on the rows where U_lambda's
