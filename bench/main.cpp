@@ -8,6 +8,7 @@
 #include "tact/bench/contact_solvers.hpp"
 #include "tact/bench/downsampling.hpp"
 #include "tact/bench/greedy_study.hpp"
+#include "tact/bench/growth_study.hpp"
 #include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/omission.hpp"
@@ -310,6 +311,8 @@ int run(int argc, char** argv) {
                           training_table, training_markdown});
     add_plain_study(app, {"tradeoff", "Full and reduced models in one diagram: error against run time", run_tradeoff,
                           tradeoff_table, tradeoff_markdown});
+    add_plain_study(app, {"growth", "Time and memory against size, contact, bases, steps, queries and threads",
+                          run_growth_study, growth_table, growth_markdown});
     add_all(app, code);
     add_report(app);
     add_case(app, code);

@@ -8,6 +8,7 @@
 #include "tact/bench/bases.hpp"
 #include "tact/bench/downsampling.hpp"
 #include "tact/bench/greedy_study.hpp"
+#include "tact/bench/growth_study.hpp"
 #include "tact/bench/histories.hpp"
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/omission.hpp"
@@ -52,6 +53,7 @@ const std::vector<Study>& studies() {
         {"tradeoff", plain<run_tradeoff>, tradeoff_markdown},
         {"online", plain<run_online>, online_markdown},
         {"omission", plain<run_omission>, omission_markdown},
+        {"growth", plain<run_growth_study>, growth_markdown},
         {"greedy", plain<run_greedy>, greedy_markdown},
         {"histories", plain<run_histories>, histories_markdown},
         {"training", plain<run_training>, training_markdown},

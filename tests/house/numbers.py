@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Figures in README.md and docs/*.md are those of docs/results/*.json. With --write they are made so.
+
+A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup), FORMAT is a function of
+bench/plots/index.py: number, seconds, times, percent."""
+import json
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "bench/plots"))
+sys.dont_write_bytecode = True
+import index  # noqa: E402
+
+FIGURE = re.compile(r"<!--= (\S+) (\S+) (\S+) -->(.*?)<!--/-->")
+FORMATS = {name: getattr(index, name) for name in ("number", "seconds", "times", "percent")}
+
+
+def value(study, path):
+    with open(ROOT / f"docs/results/{study}.json") as file:
+        at = json.load(file)
+    for step in path.split("."):
+        at = at[int(step)] if isinstance(at, list) else at[step]
+    return at
+
+
+def main(arguments):
+    wrong = []
+    for file in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        text = file.read_text()
+
+        def made(match):
+            study, path, form, shown = match.groups()
+            right = FORMATS[form](value(study, path))
+            if shown != right:
+                wrong.append(f"{file.name}: {study} {path} is {right}, the text says {shown}; tests/house/numbers.py --write")
+            return f"<!--= {study} {path} {form} -->{right}<!--/-->"
+
+        new = FIGURE.sub(made, text)
+        if "--write" in arguments and new != text:
+            file.write_text(new)
+    if wrong and "--write" not in arguments:
+        print("\n".join(wrong))
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
