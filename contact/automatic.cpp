@@ -12,6 +12,7 @@
 #include "tact/contact/interior_point.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/matrix_facts.hpp"
+#include "tact/contact/merged_rows.hpp"
 #include "tact/contact/multigrid_active_set.hpp"
 #include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/projected_cg.hpp"
@@ -277,8 +278,10 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
 
 std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("AutomaticContact", A, B);
-    return prepare_renumbered(A, B, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
-        return prepare_chosen(A_renumbered, B_renumbered, options_);
+    return prepare_merged(A, B, [&](const Matrix&, const Matrix& rows) {
+        return prepare_renumbered(A, rows, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
+            return prepare_chosen(A_renumbered, B_renumbered, options_);
+        });
     });
 }
 

@@ -46,6 +46,7 @@ struct AutomaticOptions {
 /// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:
 /// ProximalContact around SchurContact (or OrthogonalContact).
 ///
+/// Rows that equal another one up to a positive factor are merged with it first (contact/merged_rows.hpp).
 /// All of them work in a numbering by waves where the caller's is as good as random (contact/renumbered.hpp).
 /// The choice is looked at again after every solve, on counts only, so that a run can be repeated to the last bit:
 /// multigrid makes way for SchurContact when the same A has been asked for often and contact hardly touches new rows, and
