@@ -67,7 +67,8 @@ std::string omission_markdown(const Json& json) {
            costs_table(json) +
            "\nCPU time of one thread, both in turn, the least of the repeats. The march by hand keeps five vectors "
            "and one "
-           "factor; what tact adds to it is mostly the certificate of each step.\n\n## Online programs\n\n" +
+           "sparse Cholesky factor and certifies nothing; a negative figure says that the chooser solves faster than "
+           "that.\n\n## Online programs\n\n" +
            programs_table(json) +
            "\nWhat the dynamic linker loads; wall time of a whole process, its start included, median of 21.\n";
 }

@@ -10,12 +10,8 @@ namespace tact {
 /// One thread's solver: workspaces that keep their factors from query to query.
 class Online::Worker {
 public:
-    explicit Worker(const Online& online)
-        : model_(*online.model_),
-          method_(online.method_),
-          options_(online.options_),
-          workspace_(method_.contact),
-          check_(model_) {}
+    Worker(const ReducedModel& model, const OnlineMethod& method, const OnlineOptions& options)
+        : model_(model), method_(method), options_(options), workspace_(method_.contact), check_(model_) {}
 
     Answer solve(const Parameter& gamma) {
         Answer answer;
@@ -171,7 +167,7 @@ Online::Online(std::shared_ptr<const ReducedModel> model, OnlineMethod method, O
                              " quantities, expected the model's " +
                              std::to_string(model_->data().quantities.names.size()));
     }
-    worker_ = std::make_unique<Worker>(*this);
+    worker_ = std::make_unique<Worker>(*model_, method_, options_);
 }
 
 Online::~Online() = default;
@@ -193,11 +189,15 @@ std::vector<Answer> Online::solve_many(std::span<const Parameter> gammas, int th
     for (std::size_t k = 0; k < gammas.size(); ++k) check(gammas[k], "gammas[" + std::to_string(k) + "]");
     std::vector<Answer> answers(gammas.size());
     std::vector<std::exception_ptr> errors(static_cast<std::size_t>(threads));
+    constexpr std::size_t block = 16;  // queries of a microsecond are too short to be handed out one by one
     std::atomic<std::size_t> next = 0;
     const auto work = [&](std::size_t thread) {
         try {
-            Worker worker(*this);
-            for (std::size_t k = next++; k < gammas.size(); k = next++) answers[k] = worker.solve(gammas[k]);
+            const ReducedModel own = model_->unshared();
+            Worker worker(own, method_, options_);
+            for (std::size_t k = next.fetch_add(block); k < gammas.size(); k = next.fetch_add(block))
+                for (std::size_t j = k; j < std::min(k + block, gammas.size()); ++j)
+                    answers[j] = worker.solve(gammas[j]);
         } catch (...) {
             errors[thread] = std::current_exception();
         }

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "tact/lib/linear_solver.hpp"
 #include "tact/rom/reduce.hpp"
@@ -205,6 +206,26 @@ void ReducedModel::checked_gap(const Parameter& gamma, double t, VectorRef out) 
         data_.moving.evaluate(t, Side::right, coefficients);
         out.noalias() = data_.checks.gap * coefficients;
     }
+}
+
+namespace {
+
+Matrix unshared_copy(const Matrix& A) {
+    if (const Vector* diagonal = A.diagonal_entries()) return Matrix::diagonal(*diagonal);
+    if (const DenseMatrix* dense = A.dense()) return Matrix(*dense);
+    return Matrix(*A.sparse());
+}
+
+}  // namespace
+
+ReducedModel ReducedModel::unshared() const {
+    ReducedModelData copy = data_;
+    ContactProblem& problem = copy.centre;
+    if (problem.M) problem.M = unshared_copy(*problem.M);
+    if (problem.D) problem.D = unshared_copy(*problem.D);
+    problem.K = unshared_copy(problem.K);
+    problem.B = unshared_copy(problem.B);
+    return ReducedModel(std::move(copy), exact_);
 }
 
 BasisReport report_basis(const ContactProblem& reduced, const Combination& combination) {

@@ -108,6 +108,8 @@ public:
     /// c on the rows of `checks`; time is read only where c varies in it.
     void checked_gap(const Parameter& gamma, double t, VectorRef out) const;
     const ReducedModelData& data() const { return data_; }
+    /// The same model in storage of its own. Threads that share matrices wait for each other where they count who holds them.
+    ReducedModel unshared() const;
 
 private:
     Vector gap_coefficients(const Parameter& gamma) const;
