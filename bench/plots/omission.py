@@ -30,7 +30,8 @@ def main(data_file, figure_file):
     for k, row in enumerate(rows):
         right.barh(k, row["over_percent"], color="#1b6ca8" if row["over_percent"] <= row["asked_percent"] else "#e08214", height=0.45)
         right.plot([row["asked_percent"]] * 2, [k - 0.35, k + 0.35], color="#7f7f7f", linewidth=1.5)
-        right.text(0, k - 0.32, f"{row['what']}\nagainst {row['baseline']}: {row['over_percent']:.2g} %", va="bottom", fontsize=8)
+        right.text(0.02, k - 0.37, f"{row['what']}, against {row['baseline']}: {row['over_percent']:.2g} %",
+                   va="bottom", fontsize=7.5, transform=right.get_yaxis_transform())
     right.set_ylim(len(rows) - 0.4, -1)
     right.set_yticks([])
     right.set_xlabel("time over the baseline, %; grey: asked for at most")
