@@ -21,20 +21,20 @@ SpectrumEstimate scaled_spectrum(const Matrix& A, int steps) {
         x = static_cast<double>(state >> 11) * 0x1p-53 - 0.5;
     }
     q.normalize();
-    DenseMatrix Q(n, k);
-    Vector alpha(k), beta(k), work(n);
+    // Three terms without reorthogonalisation: copies of extreme values that have converged change no extreme.
+    Vector before = Vector::Zero(n), scaled(n), work(n), alpha(k), beta(k);
     Index made = 0;
     for (Index j = 0; j < k; ++j) {
-        Q.col(j) = q;
-        A.multiply(scale.cwiseProduct(q), work);
+        scaled = scale.cwiseProduct(q);
+        A.multiply(scaled, work);
         work = work.cwiseProduct(scale);
+        if (j > 0) work -= beta[j - 1] * before;
         alpha[j] = q.dot(work);
-        // Twice is enough: without full orthogonality ghosts of the extreme values appear.
-        for (int pass = 0; pass < 2; ++pass)
-            work -= Q.leftCols(j + 1) * (Q.leftCols(j + 1).transpose() * work).eval();
+        work -= alpha[j] * q;
         beta[j] = work.norm();
         made = j + 1;
         if (!(beta[j] > 1e-13)) break;
+        before.swap(q);
         q = work / beta[j];
     }
     Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz;
