@@ -1,6 +1,7 @@
 #include "tact/bench/omission.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/linked_libraries.hpp"
@@ -131,7 +132,7 @@ Json cost(const std::string& what, const std::string& baseline, const Timed& tim
             {"seconds", times.second},
             {"over_percent", over},
             {"asked_percent", asked},
-            {"said", digits(over, 2) + " % over " + baseline}};
+            {"said", digits(std::abs(over), 2) + (over < 0 ? " % less than " : " % over ") + baseline}};
 }
 
 Json costs(bool small) {

@@ -247,7 +247,7 @@ def claims(results):
         for claim in data.get("claims", []):
             scene = f"{claim['scene']}: " if "scene" in claim else ""
             rows.append({"claim": scene + claim["claim"], "paper": claim.get("paper"), "ours": claim.get("ours", claim.get("figure")),
-                         "reproduced": "yes" if claim.get("holds") else "no", "study": study})
+                         "reproduced": {True: "yes", False: "no"}.get(claim.get("holds"), "differs"), "study": study})
     return rows
 
 
