@@ -53,6 +53,9 @@ public:
     }
     bool same(Index i, Index j) const {
         if (length(i) != length(j) || length(i) == 0) return false;
+        // Bounds and multipliers are multiplied by the factor between the rows: it must neither overflow nor vanish.
+        const double factor = size_[i] / size_[j];
+        if (!(factor < farthest && factor > 1 / farthest)) return false;
         for (Index k = 0; k < length(i); ++k)
             if (column(i, k) != column(j, k) ||
                 !(std::abs(value(i, k) - value(j, k)) <= rounding * std::abs(value(i, k))))
@@ -61,6 +64,7 @@ public:
     }
 
 private:
+    static constexpr double farthest = 1e100;
     static constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
     Index length(Index i) const { return rows_.outerIndexPtr()[i + 1] - rows_.outerIndexPtr()[i]; }
     long column(Index i, Index k) const { return rows_.innerIndexPtr()[rows_.outerIndexPtr()[i] + k]; }

@@ -61,6 +61,17 @@ TEST(MergedRows, OppositeAndEmptyRowsStayAndSoDoRowsOfOnePatternThatDiffer) {
     EXPECT_EQ(rows, 5);
 }
 
+TEST(MergedRows, RowsWhoseFactorIsNoNumberToWorkWithStayApart) {
+    DenseMatrix B(3, 2);
+    B << 1e-160, 2e-160, 1e160, 2e160, 2e160, 4e160;
+    Index rows = -1;
+    (void)prepare_merged(Matrix::identity(2), sparse(B), [&](const Matrix& A, const Matrix& kept) {
+        rows = kept.rows();
+        return AutomaticContact().prepare(A, kept);
+    });
+    EXPECT_EQ(rows, 2);
+}
+
 TEST(MergedRows, CertificatesAndFailuresAreTheCallers) {
     DenseMatrix B(3, 2);
     B << 1, 1, 2, 2, -1, -1;
