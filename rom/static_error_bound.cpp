@@ -94,9 +94,13 @@ EnergyBound StaticErrorBound::operator()(const Parameter& gamma, const ConstVect
         throw InputError("StaticErrorBound: q and s have " + std::to_string(q.size()) + " and " +
                          std::to_string(s.size()) + " entries, expected " + std::to_string(p) + " and " +
                          std::to_string(lifts));
-    if ((s.array() < 0).any()) throw InputError("StaticErrorBound: s has a negative entry, expected s >= 0");
+    if (!q.allFinite()) throw InputError("StaticErrorBound: q has a NaN or infinite entry, expected finite entries");
+    if (!(s.array() >= 0).all() || !s.allFinite())
+        throw InputError("StaticErrorBound: s has a negative, NaN or infinite entry, expected finite s >= 0");
     Vector violation(static_cast<Index>(rows_.size()));
     family_.gap(gamma, rows_, violation);
+    if (violation.hasNaN())
+        throw InputError("StaticErrorBound: the family's gap has a NaN, expected a number or -inf");
     violation.noalias() -= B_U_ * q;
 
     EnergyBound bound;
@@ -128,9 +132,11 @@ EnergyBound StaticErrorBound::operator()(const Parameter& gamma, const ConstVect
     const Vector energy_rho = energy_ * rho, energy_z = energy_ * z;
     bound.residual = energy_rho.norm();
     bound.correction = energy_z.norm();
-    // s'U_lambda'(B (U q + z) - c), on the rows where U_lambda is not zero.
-    const Vector distance = work_ * height - U_lambda_.transpose() * violation(touched_);
-    bound.gap = std::max(0.0, s.dot(distance));
+    // s'U_lambda'(B (U q + z) - c). Rows without a multiplier are left out: where they are switched off, 0 times infinity.
+    const Vector lambda = U_lambda_ * s;
+    const Vector below = violation(touched_);
+    const double pressed = (lambda.array() > 0).select(lambda.cwiseProduct(below), 0).sum();
+    bound.gap = std::max(0.0, s.dot(work_ * height) - pressed);
     bound.error =
         (energy_z - energy_rho).norm() / 2 + std::sqrt((energy_z + energy_rho).squaredNorm() / 4 + bound.gap);
     return bound;

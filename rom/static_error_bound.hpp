@@ -35,7 +35,8 @@ public:
                      ContactWorkspace& contact);
 
     /// Evaluates c in all rows: of the full size, but one pass. Infinite where the lifts do not reach a row that is
-    /// penetrated. InputError if a size is wrong or s has a negative entry.
+    /// penetrated, and where U_lambda s presses on a row that is switched off. InputError if a size is wrong, s has a negative
+    /// entry, or q, s or the gap a NaN.
     EnergyBound operator()(const Parameter& gamma, const ConstVectorRef& q, const ConstVectorRef& s) const;
 
 private:

@@ -153,6 +153,67 @@ TEST(StaticErrorBound, IsAboveTheErrorOnRandomProgrammesForAnyMultipliersAndStat
     EXPECT_GT(finite, total * 9 / 10);
 }
 
+/// Rows that are off at some parameters: row k where floor(gamma) = k modulo 3.
+class SwitchedFamily final : public ContactFamily {
+public:
+    explicit SwitchedFamily(RandomFamily family) : family_(std::move(family)) {}
+    std::vector<std::string> names() const override { return {"gamma"}; }
+    Parameter lower() const override { return Vector::Zero(1); }
+    Parameter upper() const override { return Vector::Constant(1, 3); }
+    ContactProblem at(const Parameter& gamma) const override {
+        ContactProblem problem = family_.at(gamma / 3);
+        for (Index row = 0; row < problem.constraints(); ++row)
+            if (off(gamma, row)) problem.c.modes(row, 0) = -infinity;
+        return problem;
+    }
+    void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
+        family_.gap(gamma / 3, rows, out);
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            if (off(gamma, rows[k])) out[static_cast<Index>(k)] = -infinity;
+    }
+    static bool off(const Parameter& gamma, Index row) { return static_cast<Index>(gamma[0]) == row % 3; }
+
+private:
+    RandomFamily family_;
+};
+
+TEST(StaticErrorBound, StaysABoundWhereRowsThatMultipliersTouchAreSwitchedOff) {
+    int finite = 0, without = 0;
+    for (unsigned seed = 1; seed <= 30; ++seed) {
+        RandomFamily random(seed, 12, 7);
+        const DenseMatrix U = random.numbers(12, 5);
+        for (const bool single : {true, false}) {
+            const DenseMatrix U_lambda =
+                single ? DenseMatrix::Identity(7, 7) : DenseMatrix(random.numbers(7, 4).cwiseMax(0));
+            const Vector q = random.numbers(5, 1), all = random.numbers(U_lambda.cols(), 1).cwiseAbs();
+            const SwitchedFamily family(random);
+            ContactWorkspace contact(std::make_shared<DenseContact>());
+            const StaticErrorBound bound(family, {U, U_lambda}, DenseLinearSolver(), contact);
+            for (const double at : {0.5, 1.5, 2.5}) {
+                const Parameter gamma = Vector::Constant(1, at);
+                const ContactProblem full = family.at(gamma);
+                const StaticSolution u = solve_static(full, contact);
+                ASSERT_EQ(u.report.outcome, Outcome::converged);
+                Vector allowed = all;  // no multiplier on a row that is off
+                for (Index row = 0; row < 7; ++row)
+                    for (Index j = 0; j < allowed.size(); ++j)
+                        if (SwitchedFamily::off(gamma, row) && U_lambda(row, j) > 0) allowed[j] = 0;
+                for (const Vector& s : {allowed, all, Vector(Vector::Zero(all.size()))}) {
+                    const double found = bound(gamma, q, s).error;
+                    EXPECT_GE(found * (1 + 1e-10), energy_norm(full.K, u.u - U * q));
+                    finite += found < infinity;
+                    if (s == all && all != allowed) {
+                        EXPECT_EQ(found, infinity);
+                        ++without;
+                    }
+                }
+            }
+        }
+    }
+    EXPECT_GT(finite, 300);
+    EXPECT_GT(without, 150);
+}
+
 TEST(StaticErrorBound, IsTheErrorWhereNothingTouches) {
     RandomFamily family(7, 12, 7);
     const ContactProblem full = family.at(Vector::Zero(1));
@@ -187,6 +248,9 @@ TEST(StaticErrorBound, RefusesWhatItCannotBound) {
     const StaticErrorBound bound(still, basis, CholmodSolver(), contact);
     EXPECT_THROW((void)bound(still.lower(), Vector::Zero(2), Vector::Zero(1)), InputError);
     EXPECT_THROW((void)bound(still.lower(), Vector::Zero(1), Vector::Constant(1, -1)), InputError);
+    const double nan = std::nan("");
+    EXPECT_THROW((void)bound(still.lower(), Vector::Zero(1), Vector::Constant(1, nan)), InputError);
+    EXPECT_THROW((void)bound(still.lower(), Vector::Constant(1, nan), Vector::Zero(1)), InputError);
 }
 
 }  // namespace
