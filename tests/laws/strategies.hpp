@@ -13,6 +13,7 @@
 #include "tact/contact/multigrid_active_set.hpp"
 #include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/projected_cg.hpp"
+#include "tact/contact/refined_contact.hpp"
 #include "tact/contact/schur_contact.hpp"
 #include "tact/tests/laws/quadratic_programs.hpp"
 
@@ -28,16 +29,18 @@ struct Strategy {
 
 inline std::vector<Strategy> strategies() {
     const std::vector<Rows> all{Rows::bounds, Rows::pairs, Rows::general};
-    return {{"KluActiveSet", std::make_shared<KluActiveSet>(), all, false, true},
-            {"SchurContact", std::make_shared<SchurContact>(), all, true},
-            {"DenseContact", std::make_shared<DenseContact>(), all, true},
-            {"OrthogonalContact", std::make_shared<OrthogonalContact>(), all, true},
-            {"InteriorPoint", std::make_shared<InteriorPoint>(std::make_shared<OrthogonalContact>()), all, true},
-            {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
-            {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
-            {"MultigridActiveSet", std::make_shared<MultigridActiveSet>(), {Rows::bounds}, false},
-            {"PrincipalPivoting", std::make_shared<PrincipalPivoting>(), all, true, true},
-            {"AutomaticContact", std::make_shared<AutomaticContact>(), all, true, true}};
+    return {
+        {"KluActiveSet", std::make_shared<KluActiveSet>(), all, false, true},
+        {"SchurContact", std::make_shared<SchurContact>(), all, true},
+        {"DenseContact", std::make_shared<DenseContact>(), all, true},
+        {"OrthogonalContact", std::make_shared<OrthogonalContact>(), all, true},
+        {"InteriorPoint", std::make_shared<InteriorPoint>(std::make_shared<OrthogonalContact>()), all, true},
+        {"ProjectedCg", std::make_shared<ProjectedCg>(), {Rows::bounds, Rows::pairs}, false},
+        {"ColourSor", std::make_shared<ColourSor>(), {Rows::bounds}, true},
+        {"MultigridActiveSet", std::make_shared<MultigridActiveSet>(), {Rows::bounds}, false},
+        {"PrincipalPivoting", std::make_shared<PrincipalPivoting>(), all, true, true},
+        {"AutomaticContact", std::make_shared<AutomaticContact>(), all, true, true},
+        {"RefinedContact", std::make_shared<RefinedContact>(std::make_shared<AutomaticContact>()), all, true, true}};
 }
 
 struct Solved {
