@@ -130,9 +130,11 @@ void run_static(const CaseOptions& options, const StudyScene& scene, const Conta
     if (report.outcome != Outcome::converged) json["failed_step"] = json["states"].size() + 1;
 }
 
+const char* usual_integrator(const ContactProblem& problem) { return problem.is_static() ? "quasi-static" : "bdf2"; }
+
 void run_march(const CaseOptions& options, const StudyScene& scene, const ContactProblem& problem, Json& json) {
     const TimeGrid grid = TimeGrid::until(options.t_end.value_or(scene.t_end), options.dt.value_or(scene.dt));
-    const auto method = integrator(options.integrator);
+    const auto method = integrator(options.integrator.empty() ? usual_integrator(problem) : options.integrator);
     std::vector<double> times = options.at.empty() ? std::vector{grid.t(grid.steps)} : options.at;
     if (!method->adaptive()) {
         const std::vector<long> steps = steps_at(times, grid);
@@ -217,7 +219,8 @@ Json run_case(const CaseOptions& given) {
     json["unknowns"] = problem.size();
     json["contact_constraints"] = problem.constraints();
     json["gamma"] = options.gamma;
-    if (scene.is_static())
+    const bool equilibria = options.integrator.empty() && !options.dt && !options.t_end && problem.is_static();
+    if (scene.is_static() || equilibria)
         run_static(options, scene, problem, json);
     else
         run_march(options, scene, problem, json);

@@ -8,6 +8,7 @@
 #include "tact/bench/timing.hpp"
 #include "tact/contact/automatic.hpp"
 #include "tact/integrators/bdf2.hpp"
+#include "tact/integrators/quasi_static.hpp"
 #include "tact/lib/trajectory.hpp"
 #include "tact/rom/training/relative_error.hpp"
 
@@ -15,7 +16,9 @@ namespace tact::bench {
 
 Scheme paper_scheme(const StudyScene& scene) {
     if (scene.is_static()) return {};
-    return {std::make_shared<Bdf2>(), TimeGrid::until(scene.t_end, scene.dt)};
+    const TimeGrid grid = TimeGrid::until(scene.t_end, scene.dt);
+    if (scene.family->at(scene.family->lower()).is_static()) return {std::make_shared<QuasiStatic>(), grid};
+    return {std::make_shared<Bdf2>(), grid};
 }
 
 namespace {

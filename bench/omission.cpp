@@ -71,8 +71,11 @@ void add_parts(Json& rows, const StudyScene& scene) {
     put("gap interpolation, if reduced", !family.names().empty(),
         family.names().empty() ? "the gap has no parameter"
                                : "the gap depends on " + number(family.names().size()) + " parameters");
-    put("SUNDIALS", !scene.is_static(),
-        scene.is_static() ? "no steps in time" : "its vectors and nonlinear solver drive the step");
+    const bool hooked = !problem.is_static();
+    put("SUNDIALS", hooked,
+        hooked              ? "its vectors and nonlinear solver drive the step"
+        : scene.is_static() ? "no steps in time"
+                            : "steps without a time derivative");
     put("lift of U q", false, "only where a field is asked for");
     put("GSL", false, "samples parameters in training, nothing online");
     put("HDF5", false, "reads and writes model files only");

@@ -81,6 +81,10 @@ TEST(Case, ASlowLoadHasEquilibriaAtTheTimesAskedFor) {
     EXPECT_EQ(json["states"][0]["active"], 0);
     EXPECT_GT(json["states"][1]["active"], 0);
     EXPECT_EQ(json["states"][1]["t"], 0.5);
+    const Json march = run_case({.scene = "pressed-membrane", .n = 20, .dt = 0.05, .t_end = 0.5});
+    EXPECT_EQ(march["integrator"], "quasi-static");
+    EXPECT_EQ(march["states"][0]["active"], json["states"][1]["active"]);
+    EXPECT_NEAR(march["states"][0]["contact_force"], json["states"][1]["contact_force"], 1e-9);
     EXPECT_THROW(run_case({.scene = "draped-string-at-rest", .at = {0.5}}), InputError);
 }
 
