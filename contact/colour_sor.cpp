@@ -8,6 +8,7 @@
 
 #include "tact/contact/colour_sweeps.hpp"
 #include "tact/contact/dense/acceptance.hpp"
+#include "tact/contact/matrix_facts.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/lanczos.hpp"
 
@@ -52,6 +53,23 @@ Part to_double(const float* x) {
     Half half;
     std::memcpy(&half, x, sizeof(half));
     return __builtin_convertvector(half, Part);
+}
+
+/// Young's formula, exact for two colours; with more it is a good guess that converges all the same.
+double relaxation(double radius) {
+    const double r = std::min(std::max(radius, 0.0), 0.999999);
+    return 2 / (1 + std::sqrt(1 - r * r));
+}
+
+/// 1 - the least eigenvalue of A scaled to unit diagonal: of the bounds that one pass gives, where sweeps relaxed by
+/// either gain nearly the same, else by Lanczos' method.
+double jacobi_radius(const Matrix& A) {
+    const MatrixFacts facts = matrix_facts(A);
+    const double most = 1 - 2 / (1 + facts.condition_below), least = 1 - 1 / facts.condition_above;
+    // A sweep multiplies errors by omega - 1. Too large an omega costs less than too small a one.
+    constexpr double nearly = 0.95;
+    if (std::log(relaxation(most) - 1) <= nearly * std::log(relaxation(least) - 1)) return most;
+    return 1 - scaled_spectrum(A).smallest;
 }
 
 class PreparedSor final : public PreparedContact {
@@ -112,9 +130,7 @@ private:
         upper_.resize(padded, infinity);
         read_rows(ConstraintRows(B));
         lambda_.resize(B.rows());
-        // Young's formula, exact for two colours; with more it is a good guess that converges all the same.
-        const double radius = std::min(std::max(1 - scaled_spectrum(A).smallest, 0.0), 0.999999);
-        omega_ = static_cast<float>(2 / (1 + std::sqrt(1 - radius * radius)));
+        omega_ = static_cast<float>(relaxation(jacobi_radius(A)));
     }
 
     void read_rows(const ConstraintRows& rows) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
@@ -94,6 +95,24 @@ double asymmetry_of(const DenseMatrix& A) {
     for (Index j = 0; j < A.cols(); ++j)
         for (Index i = 0; i < j; ++i) asymmetry.add(i, j, A(i, j), A(j, i));
     return asymmetry.largest;
+}
+
+/// alpha S + beta D in one pass, where S stores every entry of its diagonal.
+std::optional<SparseMatrix> with_diagonal(const SparseMatrix& S, double alpha, double beta, const Vector& D) {
+    SparseMatrix sum = S;
+    const auto* outer = sum.outerIndexPtr();
+    const auto* inner = sum.innerIndexPtr();
+    double* value = sum.valuePtr();
+    for (Index j = 0; j < sum.outerSize(); ++j) {
+        bool met = false;
+        for (auto k = outer[j]; k < outer[j + 1]; ++k) {
+            const bool here = inner[k] == j;
+            value[k] = here ? alpha * value[k] + beta * D[j] : alpha * value[k];
+            met |= here;
+        }
+        if (!met) return std::nullopt;
+    }
+    return sum;
 }
 
 /// What is too small for a normal number has lost its digits, and with them every ratio that a solver would form.
@@ -248,6 +267,10 @@ Matrix combine(double alpha, const Matrix& A, double beta, const Matrix& B) {
     if (A.diagonal_entries() && B.diagonal_entries())
         return Matrix::diagonal(alpha * *A.diagonal_entries() + beta * *B.diagonal_entries());
     if (A.dense() || B.dense()) return Matrix(DenseMatrix(alpha * A.to_dense() + beta * B.to_dense()));
+    if (const Vector* d = A.diagonal_entries())
+        if (auto sum = with_diagonal(*B.sparse(), beta, alpha, *d)) return Matrix(std::move(*sum));
+    if (const Vector* d = B.diagonal_entries())
+        if (auto sum = with_diagonal(*A.sparse(), alpha, beta, *d)) return Matrix(std::move(*sum));
     return Matrix(SparseMatrix(alpha * A.to_sparse() + beta * B.to_sparse()));
 }
 

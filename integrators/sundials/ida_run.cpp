@@ -66,8 +66,10 @@ public:
           y_(now_.y.size() + (fixed ? 1 : 0)),
           yp_(y_.size()),
           id_(Vector::Zero(y_.size())),
-          y_view_(context_, y_),
+          tested_(fixed ? Entries{now_.y.size(), 1} : Entries{0, now_.n}),
+          y_view_(context_, y_, tested_),
           yp_view_(context_, yp_),
+          answer_view_(context_, y_),
           id_view_(context_, id_),
           hook_(context_, stages_, next_, *this),
           linear_(context_, *this),
@@ -113,7 +115,9 @@ public:
             stop_ = next_stop(problem_, now_.t, end);
             check(IDASetStopTime(ida_.get(), stop_), "IDASetStopTime");
         }
-        const int flag = IDASolve(ida_.get(), end, &reached, y_view_.get(), yp_view_.get(), IDA_ONE_STEP);
+        N_Vector y = options_.newton ? y_view_.get() : answer_view_.get();
+        N_Vector yp = options_.newton ? yp_view_.get() : answer_view_.get();
+        const int flag = IDASolve(ida_.get(), end, &reached, y, yp, IDA_ONE_STEP);
         count();
         if (flag < 0) return failed(flag, std::move(report));
         before_t_ = now_.t;
@@ -154,19 +158,16 @@ private:
         if (fixed_) {
             y_[size()] = 0;  // the clock runs from t0
             yp_[size()] = 0;
-            id_[size()] = 1;
-        } else {
-            id_.head(now_.n).setOnes();
         }
+        id_.segment(tested_.first, tested_.count).setOnes();
+        drop_results(answer_view_.get());
         scratch_ = y_;
         scratch_view_.emplace(context_, scratch_);
         void* ida = ida_.get();
         check(IDASetErrHandlerFn(ida, keep_quiet, nullptr), "IDASetErrHandlerFn");
         check(IDAInit(ida, &IdaRun::residual, grid_.t0, y_view_.get(), yp_view_.get()), "IDAInit");
         check(IDASetUserData(ida, this), "IDASetUserData");
-        // Fixed steps: wide enough for the clock's two steps of order 1, whose error is about dt^2.
-        check(IDASStolerances(ida, fixed_ ? 1e-10 : options_.rtol, fixed_ ? 10 * grid_.dt * grid_.dt : options_.atol),
-              "IDASStolerances");
+        check(IDAWFtolerances(ida, &IdaRun::weights), "IDAWFtolerances");
         check(IDASetId(ida, id_view_.get()), "IDASetId");
         check(IDASetSuppressAlg(ida, SUNTRUE), "IDASetSuppressAlg");
         check(IDASetMaxOrd(ida, options_.max_order), "IDASetMaxOrd");
@@ -183,6 +184,17 @@ private:
             check(IDASetLinearSolver(ida, linear_.get(), nullptr), "IDASetLinearSolver");
         else
             check(IDASetNonlinearSolver(ida, hook_.get()), "IDASetNonlinearSolver");
+    }
+
+    /// 1 / (rtol |y| + atol), of all entries for Newton's iteration, else of those in the error test: no other is read.
+    static int weights(N_Vector y, N_Vector out, void* memory) {
+        const auto& run = *static_cast<IdaRun*>(memory);
+        const auto [first, count] = run.options_.newton ? Entries{0, run.y_.size()} : run.tested_;
+        // Fixed steps: wide enough for the clock's two steps of order 1, whose error is about dt^2.
+        const double rtol = run.fixed_ ? 1e-10 : run.options_.rtol;
+        const double atol = run.fixed_ ? 10 * run.grid_.dt * run.grid_.dt : run.options_.atol;
+        map(out).segment(first, count) = (rtol * map(y).segment(first, count).array().abs() + atol).inverse();
+        return 0;
     }
 
     bool rows_close() const { return ((next_.lambda.array() > 0) && (now_.lambda.array() <= 0)).any(); }
@@ -217,12 +229,14 @@ private:
         clock_t_ = data.t - grid_.t0;
         const auto predicted = map(data.y_predicted).head(size());
         history_ = map(data.yp_predicted).head(size()) - data.cj * predicted;
-        next_.y = predicted;
+        next_.u() = predicted.head(now_.n);
         predicted_ = data.y_predicted;
         stage_a_ = data.cj;
         return {stage_t_, data.cj, history_.head(now_.n), history_.tail(size() - now_.n)};
     }
     void correct(N_Vector correction) override {
+        // IDA clears it before a solve and scales it after a step: nobody reads either.
+        if (std::exchange(correction_, correction) != correction) drop_results(correction);
         auto change = map(correction);
         const auto predicted = map(predicted_);
         change.head(size()) = next_.y - predicted.head(size());
@@ -344,7 +358,10 @@ private:
     double before_t_;
     Vector history_, y_, yp_, id_, force_, solution_, none_;
     mutable Vector scratch_;
-    VectorView y_view_, yp_view_, id_view_;
+    Entries tested_;  // of y, in the error test
+    VectorView y_view_, yp_view_;
+    VectorView answer_view_;  // IDA's own answers are dropped: the stage's is the one that was certified
+    VectorView id_view_;
     std::optional<VectorView> scratch_view_;
     StageHook hook_;
     LinearHook linear_;
@@ -354,7 +371,7 @@ private:
     bool ahead_ = false;                          // IDA is not where the state is: an impact was not resolved
     double stage_t_ = 0, stage_a_ = 0, clock_t_ = 0;
     double stop_ = infinity;  // of the step under way
-    N_Vector predicted_ = nullptr;
+    N_Vector predicted_ = nullptr, correction_ = nullptr;
     std::exception_ptr caught_;
     KktResiduals linear_kkt_;  // the worst of the step's linear solves
     RunCounters counters_, past_;

@@ -1,10 +1,64 @@
 #include "tact/integrators/sundials/vector.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdlib>
+#include <memory>
 
 namespace tact::sundials {
 namespace {
+
+/// A serial vector's content, and what else its clones take over.
+struct Content : _N_VectorContent_Serial {
+    Entries tested;
+};
+
+const Entries& tested(N_Vector v) { return static_cast<Content*>(v->content)->tested; }
+
+/// A vector without operations over `data`, or over entries of its own.
+N_Vector made(SUNContext context, Index size, double* data, Entries tested) {
+    N_Vector v = N_VNewEmpty(context);
+    if (!v) return nullptr;
+    auto content = std::make_unique<Content>();
+    content->length = size;
+    content->own_data = data ? SUNFALSE : SUNTRUE;
+    content->data = data;
+    content->tested = tested;
+    if (!data && size > 0) {
+        content->data = static_cast<double*>(
+            std::aligned_alloc(64, (sizeof(double) * static_cast<std::size_t>(size) + 63) / 64 * 64));
+        if (!content->data) {
+            N_VFreeEmpty(v);
+            return nullptr;
+        }
+    }
+    v->content = content.release();
+    return v;
+}
+
+N_Vector clone(N_Vector w) {
+    N_Vector v = made(w->sunctx, NV_LENGTH_S(w), nullptr, tested(w));
+    if (v && N_VCopyOps(w, v) != 0) {
+        N_VDestroy(v);
+        return nullptr;
+    }
+    return v;
+}
+
+void destroy(N_Vector v) {
+    if (!v) return;
+    auto* content = static_cast<Content*>(v->content);
+    if (content->own_data) std::free(content->data);
+    delete content;
+    v->content = nullptr;
+    N_VFreeEmpty(v);
+}
+
+/// Blocks small enough that what several operations share stays in the first cache.
+template <class Each> void for_each_block(Index size, const Each& each) {
+    constexpr Index block = 512;
+    for (Index first = 0; first < size; first += block) each(first, std::min(block, size - first));
+}
 
 void linear_sum(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector z) { map(z) = a * map(x) + b * map(y); }
 void constant(realtype c, N_Vector z) { map(z).setConstant(c); }
@@ -20,18 +74,52 @@ realtype wrms_norm(N_Vector x, N_Vector w) {
     const auto n = static_cast<double>(NV_LENGTH_S(x));
     return n == 0 ? 0 : std::sqrt(map(x).cwiseProduct(map(w)).squaredNorm() / n);
 }
-realtype wrms_norm_mask(N_Vector x, N_Vector w, N_Vector id) {
+/// The mask lets the tested entries through, whatever else it holds.
+realtype wrms_norm_mask(N_Vector x, N_Vector w, N_Vector) {
     const auto n = static_cast<double>(NV_LENGTH_S(x));
-    const auto masked = (map(id).array() > 0).select(map(x).cwiseProduct(map(w)), 0.0);
-    return n == 0 ? 0 : std::sqrt(masked.matrix().squaredNorm() / n);
+    const auto [first, count] = tested(x);
+    const auto weighted = map(x).segment(first, count).cwiseProduct(map(w).segment(first, count));
+    return n == 0 ? 0 : std::sqrt(weighted.squaredNorm() / n);
+}
+
+int linear_combination(int count, realtype* c, N_Vector* X, N_Vector z) {
+    auto sum = map(z);
+    for_each_block(sum.size(), [&](Index first, Index size) {
+        const auto part = [&](int k) { return c[k] * map(X[k]).segment(first, size); };
+        auto block = sum.segment(first, size);
+        int next = std::min(count, 3);
+        if (next == 3)
+            block = part(0) + part(1) + part(2);
+        else if (next == 2)
+            block = part(0) + part(1);
+        else
+            block = part(0);
+        for (; next < count; ++next) block += part(next);
+    });
+    return 0;
+}
+/// Z_j = a X_j + b Y_j in turn: a Z may be the X or Y of a later one.
+int linear_sums(int count, realtype a, N_Vector* X, realtype b, N_Vector* Y, N_Vector* Z) {
+    for_each_block(NV_LENGTH_S(Z[0]), [&](Index first, Index size) {
+        const auto part = [&](N_Vector v) { return map(v).segment(first, size); };
+        for (int j = 0; j < count; ++j) part(Z[j]) = a * part(X[j]) + b * part(Y[j]);
+    });
+    return 0;
 }
 
 }  // namespace
 
-VectorView::VectorView(const Context& context, Vector& storage)
-    : vector_(N_VMake_Serial(storage.size(), storage.data(), context.get())) {
-    if (!vector_) throw NumericalError("SUNDIALS: N_VMake_Serial failed");
+VectorView::VectorView(const Context& context, Vector& storage) : VectorView(context, storage, {0, storage.size()}) {}
+
+VectorView::VectorView(const Context& context, Vector& storage, Entries tested)
+    : vector_(made(context.get(), storage.size(), storage.data(), tested)) {
+    N_Vector serial = N_VNewEmpty_Serial(storage.size(), context.get());
+    if (!vector_ || !serial || N_VCopyOps(serial, vector_) != 0) throw NumericalError("SUNDIALS: no vector was made");
+    N_VDestroy(serial);
     auto* ops = vector_->ops;
+    ops->nvclone = clone;
+    ops->nvcloneempty = nullptr;
+    ops->nvdestroy = destroy;
     ops->nvlinearsum = linear_sum;
     ops->nvconst = constant;
     ops->nvprod = product;
@@ -44,6 +132,16 @@ VectorView::VectorView(const Context& context, Vector& storage)
     ops->nvmaxnorm = max_norm;
     ops->nvwrmsnorm = wrms_norm;
     ops->nvwrmsnormmask = wrms_norm_mask;
+    ops->nvlinearcombination = linear_combination;
+    ops->nvlinearsumvectorarray = linear_sums;
+}
+
+void drop_results(N_Vector vector) {
+    auto* ops = vector->ops;
+    ops->nvconst = [](realtype, N_Vector) {};
+    ops->nvscale = [](realtype, N_Vector, N_Vector) {};
+    ops->nvlinearsum = [](realtype, N_Vector, realtype, N_Vector, N_Vector) {};
+    ops->nvlinearcombination = [](int, realtype*, N_Vector*, N_Vector) { return 0; };
 }
 
 }  // namespace tact::sundials

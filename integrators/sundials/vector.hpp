@@ -13,11 +13,19 @@ namespace tact::sundials {
 /// The entries of a serial vector.
 inline Eigen::Map<Vector> map(N_Vector v) { return {NV_DATA_S(v), NV_LENGTH_S(v)}; }
 
+/// Some entries that follow each other.
+struct Entries {
+    Index first = 0, count = 0;
+};
+
 /// An N_Vector that looks at an Eigen vector, which must keep its size and outlive it. The operations that integrators
-/// spend their time in are Eigen's: Debian ships SUNDIALS built without optimisation. Clones inherit them.
+/// spend their time in are Eigen's, and pass over memory once for all operands: Debian ships SUNDIALS built without
+/// optimisation. Clones inherit them, and own their entries.
 class VectorView {
 public:
     VectorView(const Context& context, Vector& storage);
+    /// `tested`: the entries that norms with a mask are of, for this vector and its clones; no other mask is looked at.
+    VectorView(const Context& context, Vector& storage, Entries tested);
     ~VectorView() { N_VDestroy(vector_); }
     VectorView(VectorView&& other) noexcept : vector_(std::exchange(other.vector_, nullptr)) {}
     VectorView& operator=(VectorView&& other) noexcept {
@@ -30,5 +38,9 @@ public:
 private:
     N_Vector vector_;
 };
+
+/// From now on sums, multiples and constants that SUNDIALS writes into this vector are dropped: for results that nobody
+/// reads. What is written through `map` stays.
+void drop_results(N_Vector vector);
 
 }  // namespace tact::sundials
