@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
@@ -97,22 +96,18 @@ double asymmetry_of(const DenseMatrix& A) {
     return asymmetry.largest;
 }
 
-/// alpha S + beta D in one pass, where S stores every entry of its diagonal.
-std::optional<SparseMatrix> with_diagonal(const SparseMatrix& S, double alpha, double beta, const Vector& D) {
-    SparseMatrix sum = S;
-    const auto* outer = sum.outerIndexPtr();
-    const auto* inner = sum.innerIndexPtr();
-    double* value = sum.valuePtr();
-    for (Index j = 0; j < sum.outerSize(); ++j) {
-        bool met = false;
-        for (auto k = outer[j]; k < outer[j + 1]; ++k) {
-            const bool here = inner[k] == j;
-            value[k] = here ? alpha * value[k] + beta * D[j] : alpha * value[k];
-            met |= here;
-        }
-        if (!met) return std::nullopt;
+/// Where a compressed matrix stores its diagonal; empty unless it stores all of it.
+std::vector<long> diagonal_places(const SparseMatrix& S) {
+    const auto* outer = S.outerIndexPtr();
+    const auto* inner = S.innerIndexPtr();
+    std::vector<long> places(static_cast<std::size_t>(S.cols()));
+    for (Index j = 0; j < S.cols(); ++j) {
+        auto k = outer[j];
+        while (k < outer[j + 1] && inner[k] != j) ++k;
+        if (k == outer[j + 1]) return {};
+        places[static_cast<std::size_t>(j)] = k;
     }
-    return sum;
+    return places;
 }
 
 /// What is too small for a normal number has lost its digits, and with them every ratio that a solver would form.
@@ -267,10 +262,21 @@ Matrix combine(double alpha, const Matrix& A, double beta, const Matrix& B) {
     if (A.diagonal_entries() && B.diagonal_entries())
         return Matrix::diagonal(alpha * *A.diagonal_entries() + beta * *B.diagonal_entries());
     if (A.dense() || B.dense()) return Matrix(DenseMatrix(alpha * A.to_dense() + beta * B.to_dense()));
-    if (const Vector* d = A.diagonal_entries())
-        if (auto sum = with_diagonal(*B.sparse(), beta, alpha, *d)) return Matrix(std::move(*sum));
-    if (const Vector* d = B.diagonal_entries())
-        if (auto sum = with_diagonal(*A.sparse(), alpha, beta, *d)) return Matrix(std::move(*sum));
+    if (A.diagonal_entries() || B.diagonal_entries()) {
+        const bool first = A.diagonal_entries() != nullptr;
+        const SparseMatrix& S = first ? *B.sparse() : *A.sparse();
+        if (const std::vector<long> places = diagonal_places(S); !places.empty()) {
+            SparseMatrix sum = S;
+            Eigen::Map<Vector> value(sum.valuePtr(), sum.nonZeros());
+            const Vector own = value(places);
+            value *= first ? beta : alpha;
+            if (first)
+                value(places) = alpha * *A.diagonal_entries() + beta * own;
+            else
+                value(places) = alpha * own + beta * *B.diagonal_entries();
+            return Matrix(std::move(sum));
+        }
+    }
     return Matrix(SparseMatrix(alpha * A.to_sparse() + beta * B.to_sparse()));
 }
 

@@ -85,16 +85,10 @@ realtype wrms_norm_mask(N_Vector x, N_Vector w, N_Vector) {
 int linear_combination(int count, realtype* c, N_Vector* X, N_Vector z) {
     auto sum = map(z);
     for_each_block(sum.size(), [&](Index first, Index size) {
-        const auto part = [&](int k) { return c[k] * map(X[k]).segment(first, size); };
+        const auto part = [&](int k) { return map(X[k]).segment(first, size); };
         auto block = sum.segment(first, size);
-        int next = std::min(count, 3);
-        if (next == 3)
-            block = part(0) + part(1) + part(2);
-        else if (next == 2)
-            block = part(0) + part(1);
-        else
-            block = part(0);
-        for (; next < count; ++next) block += part(next);
+        block = c[0] * part(0);
+        for (int k = 1; k < count; ++k) block += c[k] * part(k);
     });
     return 0;
 }
@@ -109,10 +103,8 @@ int linear_sums(int count, realtype a, N_Vector* X, realtype b, N_Vector* Y, N_V
 
 }  // namespace
 
-VectorView::VectorView(const Context& context, Vector& storage) : VectorView(context, storage, {0, storage.size()}) {}
-
-VectorView::VectorView(const Context& context, Vector& storage, Entries tested)
-    : vector_(made(context.get(), storage.size(), storage.data(), tested)) {
+VectorView::VectorView(const Context& context, Vector& storage)
+    : vector_(made(context.get(), storage.size(), storage.data(), {0, storage.size()})) {
     N_Vector serial = N_VNewEmpty_Serial(storage.size(), context.get());
     if (!vector_ || !serial || N_VCopyOps(serial, vector_) != 0) throw NumericalError("SUNDIALS: no vector was made");
     N_VDestroy(serial);
@@ -132,8 +124,12 @@ VectorView::VectorView(const Context& context, Vector& storage, Entries tested)
     ops->nvmaxnorm = max_norm;
     ops->nvwrmsnorm = wrms_norm;
     ops->nvwrmsnormmask = wrms_norm_mask;
-    ops->nvlinearcombination = linear_combination;
-    ops->nvlinearsumvectorarray = linear_sums;
+}
+
+VectorView::VectorView(const Context& context, Vector& storage, Entries tested) : VectorView(context, storage) {
+    static_cast<Content*>(vector_->content)->tested = tested;
+    vector_->ops->nvlinearcombination = linear_combination;
+    vector_->ops->nvlinearsumvectorarray = linear_sums;
 }
 
 void drop_results(N_Vector vector) {

@@ -19,12 +19,12 @@ struct Entries {
 };
 
 /// An N_Vector that looks at an Eigen vector, which must keep its size and outlive it. The operations that integrators
-/// spend their time in are Eigen's, and pass over memory once for all operands: Debian ships SUNDIALS built without
-/// optimisation. Clones inherit them, and own their entries.
+/// spend their time in are Eigen's: Debian ships SUNDIALS built without optimisation. Clones inherit them.
 class VectorView {
 public:
     VectorView(const Context& context, Vector& storage);
-    /// `tested`: the entries that norms with a mask are of, for this vector and its clones; no other mask is looked at.
+    /// For vectors that come from memory: sums of several pass over it once, and norms with a mask read the `tested` entries
+    /// only, whatever the mask.
     VectorView(const Context& context, Vector& storage, Entries tested);
     ~VectorView() { N_VDestroy(vector_); }
     VectorView(VectorView&& other) noexcept : vector_(std::exchange(other.vector_, nullptr)) {}
