@@ -155,14 +155,15 @@ Member measure(const Setting& setting, const Recipe& recipe, const DualBasis& du
     });
     member.p = basis.primal_size();
     member.p_lambda = basis.dual_size();
-    ContactWorkspace workspace(std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance}));
-    const ReducedErrors errors = setting.references.errors(basis, *reduced, workspace);
+    const auto contact = std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance});
+    const ReducedErrors errors = setting.references.errors(basis, *reduced, contact);
     member.outcome = errors.outcome;
     if (errors.outcome != Outcome::converged) return member;
     member.error = errors.worst();
     member.median = errors.median();
     member.penetration = errors.penetration;
     member.kkt = errors.worst_kkt;
+    ContactWorkspace workspace(contact);
     member.us_per_step = 1e6 * online_seconds(setting, basis, *reduced, workspace, repeats);
     return member;
 }

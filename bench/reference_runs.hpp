@@ -1,6 +1,7 @@
 // Full runs at test parameters, marched once and compared with many reduced models.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,9 @@ public:
     /// Interrupted.
     ReferenceRuns(const StudyScene& scene, const Scheme& scheme, std::vector<Parameter> gammas);
 
-    /// Runs the reduced model at the same parameters.
-    ReducedErrors errors(const ReducedBasis& basis, const ContactFamily& reduced, ContactWorkspace& workspace) const;
+    /// Runs the reduced model at the same parameters, in two threads; the same numbers on one core.
+    ReducedErrors errors(const ReducedBasis& basis, const ContactFamily& reduced,
+                         std::shared_ptr<const ContactSolver> contact) const;
     const std::vector<Parameter>& parameters() const { return gammas_; }
 
 private:
@@ -41,6 +43,8 @@ private:
         Single u;  // n x times
         double squared_norm = 0;
     };
+    void add_error(std::size_t k, const ReducedBasis& basis, const ContactFamily& reduced, const Single& U,
+                   const Single& B_U, ContactWorkspace& workspace, ReducedErrors& result) const;
 
     StudyScene scene_;
     Scheme scheme_;
