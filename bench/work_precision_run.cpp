@@ -47,26 +47,17 @@ double drift(const std::vector<Energy>& history) {
     return (last.mechanical() - last.external_work - last.damping_work - first.mechanical()) / largest;
 }
 
-/// CPU seconds of marches on fresh workspaces; `outcome` is that of the last.
-std::vector<double> march_seconds(const Integrator& method, const PrecisionScene& scene, const TimeGrid& grid,
-                                  const PrecisionTiming& timing, MarchReport& march) {
-    std::vector<double> seconds;
+/// CPU seconds of further marches on fresh workspaces, which nothing watches.
+void time_marches(const Integrator& method, const PrecisionScene& scene, const TimeGrid& grid,
+                  const PrecisionTiming& timing, std::vector<double>& seconds) {
     double spent = 0;
-    while (static_cast<int>(seconds.size()) < timing.repeats && (seconds.empty() || spent < timing.enough)) {
-        const double start = cpu_seconds();
-        const std::vector<Observer> watch{[&](const State& state, const StepReport&) {
-            constexpr long every = 64;  // the clock costs as much as a small reduced step
-            const bool late = state.step % every == 0 && cpu_seconds() - start > timing.limit;
-            return late || interrupted() ? Flow::stop : Flow::proceed;
-        }};
-        ContactWorkspace workspace(scene.contact);
-        march = integrate(method, scene.problem, grid, workspace, watch);
-        seconds.push_back(cpu_seconds() - start);
-        spent += seconds.back();
+    while (static_cast<int>(seconds.size()) < timing.repeats && spent < timing.enough) {
         throw_if_interrupted();
-        if (march.outcome != Outcome::converged) break;
+        ContactWorkspace workspace(scene.contact);
+        seconds.push_back(
+            seconds_of([&] { (void)integrate(method, scene.problem, grid, workspace, std::vector<Observer>{}); }));
+        spent += seconds.back();
     }
-    return seconds;
 }
 
 std::string parameter_text(const PrecisionMethod& method, double parameter, const PrecisionScene& scene) {
@@ -102,12 +93,16 @@ std::vector<PrecisionMethod> precision_methods_for(const PrecisionScene& scene) 
     return methods;
 }
 
-Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers) {
+Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers,
+                double limit) {
     const TimeGrid grid = grid_of(method, parameter, scene);
     const auto made = method.make(parameter);
     ContactWorkspace workspace(scene.contact);
-    const auto run = made->start(scene.problem, grid, workspace);
     Recorded recorded;
+    double since = cpu_seconds();
+    const auto pause = [&] { recorded.seconds += cpu_seconds() - since; };
+    const auto run = made->start(scene.problem, grid, workspace);
+    pause();
     recorded.u.resize(scene.problem.size(), scene.outputs);
     recorded.impulse.resize(scene.outputs);
     ImpactLedger impacts(scene.problem);
@@ -121,7 +116,13 @@ Recorded record(const PrecisionMethod& method, double parameter, const Precision
     while (next < scene.outputs) {
         throw_if_interrupted();
         const double from = run->state().t;
+        since = cpu_seconds();
         const StepReport report = run->advance();
+        pause();
+        if (recorded.seconds > limit) {
+            recorded.outcome = Outcome::stopped;
+            return recorded;
+        }
         if (report.outcome != Outcome::converged) {
             recorded.outcome = report.outcome;
             recorded.detail = report.detail;
@@ -171,25 +172,30 @@ Json empty_precision_row(const PrecisionScene& scene, const std::string& integra
     return row;
 }
 
+Json untried_row(const PrecisionScene& scene, const PrecisionMethod& method, double parameter) {
+    Json row = empty_precision_row(scene, method.label(), parameter_text(method, parameter, scene));
+    row["outcome"] = "not tried: the one before took too long";
+    return row;
+}
+
 Json precision_row(const PrecisionScene& scene, const PrecisionMethod& method, double parameter,
                    const PrecisionTiming& timing) {
     Json row = empty_precision_row(scene, method.label(), parameter_text(method, parameter, scene));
     try {
         const auto reference = scene.reference(method);
-        MarchReport march;
-        const auto seconds =
-            march_seconds(*method.make(parameter), scene, grid_of(method, parameter, scene), timing, march);
-        if (march.outcome != Outcome::converged) {
-            row["outcome"] = march.outcome == Outcome::stopped ? "not done in " + digits(timing.limit) + " s"
-                                                               : std::string(to_string(march.outcome));
-            if (!march.last.detail.empty()) row["message"] = march.last.detail;
-            row["failed_at"] = march.last.t;
+        const Recorded recorded = record(method, parameter, scene, Ledgers::kept, timing.limit);
+        if (recorded.outcome != Outcome::converged) {
+            row["outcome"] = recorded.outcome == Outcome::stopped ? "not done in " + digits(timing.limit) + " s"
+                                                                  : std::string(to_string(recorded.outcome));
+            if (!recorded.detail.empty()) row["message"] = recorded.detail;
             return row;
         }
-        const Recorded recorded = record(method, parameter, scene, Ledgers::kept);
-        if (recorded.outcome != Outcome::converged)
-            throw NumericalError("the second march ended with " + std::string(to_string(recorded.outcome)));
-        row["steps"] = march.accepted_steps;
+        std::vector<double> seconds;
+        if (recorded.seconds > timing.enough)
+            seconds = {recorded.seconds};
+        else
+            time_marches(*method.make(parameter), scene, grid_of(method, parameter, scene), timing, seconds);
+        row["steps"] = recorded.steps;
         row["seconds"] = median(seconds);
         row["error_u"] = error_u(scene, recorded.u, *reference);
         if (scene.problem.constraints() > 0) row["error_lambda"] = error_lambda(recorded.impulse, *reference);

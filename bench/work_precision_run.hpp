@@ -33,6 +33,7 @@ struct Recorded {
     Outcome outcome = Outcome::converged;
     std::string detail;  ///< of a failure
     long steps = 0;
+    double seconds = 0;  ///< CPU, of the steps alone: what watches them is not in it
     DenseMatrix u;
     Vector impulse;
     double energy_drift = 0;  ///< (energy at the end - work of load and damping - energy at first) / largest energy
@@ -40,7 +41,9 @@ struct Recorded {
 };
 enum class Ledgers { none, kept };
 /// `parameter`: a number of steps, or a tolerance.
-Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers);
+/// Outcome::stopped where `limit` CPU seconds are over.
+Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers,
+                double limit = infinity);
 
 /// As error_u and error_lambda of the rows: see run_work_precision.
 double error_u(const PrecisionScene& scene, const DenseMatrix& u, const Reference& reference);
@@ -48,11 +51,13 @@ double error_lambda(const Vector& impulse, const Reference& reference);
 
 struct PrecisionTiming {
     int repeats = 5;
-    double enough = 2;  ///< CPU s after which no repeat is begun
+    double enough = 2;  ///< CPU s after which no repeat is begun; a recorded march this long is its own timing
     double limit = 20;  ///< CPU s after which a march is given up
 };
 Json precision_row(const PrecisionScene& scene, const PrecisionMethod& method, double parameter,
                    const PrecisionTiming& timing);
+/// Of a march that was not tried, since the one before already took too long.
+Json untried_row(const PrecisionScene& scene, const PrecisionMethod& method, double parameter);
 /// A row with everything null but the first three.
 Json empty_precision_row(const PrecisionScene& scene, const std::string& integrator, const std::string& parameter);
 

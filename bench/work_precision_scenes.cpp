@@ -214,9 +214,10 @@ std::string family_of(const PrecisionMethod& method) {
 
 PrecisionScene membrane(bool small) {
     const StudyScene study = study_scene("dynamic-obstacle", small ? 12 : 200);
+    const std::vector<long> full_steps{50, 100, 150, 200, 300, 400};
     PrecisionScene scene = scene_of(study.family->at(Eigen::Vector2d(0.6, 0.6)), study.t_end,
-                                    doubled(small ? 25 : 50, small ? 6 : 4), small ? 25 : 50);
-    scene.tolerances = decades(-1, small ? -6 : -3);
+                                    small ? doubled(25, 6) : full_steps, small ? 25 : 50);
+    scene.tolerances = small ? decades(-1, -6) : std::vector<double>{0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4};
     scene.what = "the paper's membrane of " + std::to_string(study.n) + " x " + std::to_string(study.n) +
                  " nodes, gamma = (.6, .6)";
     const long finest = scene.steps.back();
@@ -238,10 +239,10 @@ PrecisionScene membrane(bool small) {
 PrecisionScene plates(bool small) {
     const StudyScene study = study_scene("two-plates", small ? 8 : 100);
     // The blow falls on the end of a step: at .002 s.
-    const std::vector<long> full_steps{200, 400, 1000, 2000}, small_steps{25, 50, 125, 250, 500, 1000};
+    const std::vector<long> full_steps{200, 400, 600, 1000, 1400, 2000}, small_steps{25, 50, 125, 250, 500, 1000};
     PrecisionScene scene = scene_of(study.family->at({}), small ? study.t_end / 8 : study.t_end,
                                     small ? small_steps : full_steps, small ? 25 : 200);
-    scene.tolerances = decades(-1, small ? -6 : -3);
+    scene.tolerances = small ? decades(-1, -6) : std::vector<double>{0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4};
     scene.what = "the two plates of " + std::to_string(study.n) + " x " + std::to_string(study.n) + " nodes";
     const long finest = scene.steps.back();
     compare_with(scene, [partial = scene, finest] {
