@@ -1,16 +1,14 @@
 #include "tact/bench/petsc_peer.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "tact/bench/isolated.hpp"
+#include "tact/bench/peer_program.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/io/write_file.hpp"
 
@@ -18,26 +16,6 @@ namespace tact::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder for the exchange, gone with its owner.
-class TemporaryFolder {
-public:
-    TemporaryFolder() {
-        std::string pattern = (fs::temp_directory_path() / "tact-peer-XXXXXX").string();
-        if (!mkdtemp(pattern.data())) throw NumericalError("petsc: no temporary folder " + pattern);
-        path_ = pattern;
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
-};
 
 /// u = T y, where y holds B_i u in place of one unknown of each row i.
 struct BoundForm {
@@ -98,11 +76,6 @@ private:
     SparseMatrix B_;
 };
 
-template <class T> void put(std::ostream& out, const T* values, Index count) {
-    out.write(reinterpret_cast<const char*>(values),
-              static_cast<std::streamsize>(sizeof(T) * static_cast<std::size_t>(count)));
-}
-
 void write_problem(const fs::path& path, const SolverProblem& problem, const BoundForm& form, int repeats) {
     write_file(path, [&](std::ostream& out) {
         const SparseMatrix& A = form.transformed;  // symmetric: its columns are its rows
@@ -133,10 +106,8 @@ void read_answers(const fs::path& path, Json& row, const SolverProblem& problem,
         const SampledSolve& sample = problem.samples[k];
         std::int64_t head[2];
         Vector times(repeats), y(sample.u.size());
-        in.read(reinterpret_cast<char*>(head), sizeof head);
-        for (Vector* values : {&times, &y})
-            in.read(reinterpret_cast<char*>(values->data()),
-                    static_cast<std::streamsize>(sizeof(double) * static_cast<std::size_t>(values->size())));
+        get(in, head, 2);
+        for (Vector* values : {&times, &y}) get(in, values->data(), values->size());
         if (!in) throw NumericalError("petsc: the answer is not whole");
         for (int r = 0; r < repeats; ++r) seconds[static_cast<std::size_t>(r)].push_back(times[r]);
         const Vector u = form.T * y;
@@ -177,24 +148,7 @@ const std::vector<PetscMethod>& petsc_methods() {
     return methods;
 }
 
-std::optional<std::string> petsc_program() {
-    std::error_code error;
-    const fs::path self = fs::read_symlink("/proc/self/exe", error);
-    for (const fs::path& folder : {self.parent_path(), self.parent_path().parent_path() / "bench"})
-        if (const fs::path program = folder / "tact-peer-petsc"; fs::exists(program, error)) return program.string();
-    return std::nullopt;
-}
-
-std::string petsc_version(const std::string& program) {
-    std::FILE* pipe = popen(("'" + program + "' --version").c_str(), "r");
-    if (!pipe) return {};
-    char text[64] = {};
-    const std::size_t count = std::fread(text, 1, sizeof text - 1, pipe);
-    pclose(pipe);
-    std::string version(text, count);
-    while (!version.empty() && version.back() == '\n') version.pop_back();
-    return version;
-}
+std::optional<std::string> petsc_program() { return peer_program("tact-peer-petsc"); }
 
 Json time_petsc(const SolverProblem& problem, const PetscMethod& method, const std::string& program,
                 const TimingOptions& options) {

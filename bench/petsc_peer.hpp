@@ -19,7 +19,6 @@ const std::vector<PetscMethod>& petsc_methods();
 
 /// The program lies beside this one where PETSc was found when it was built.
 std::optional<std::string> petsc_program();
-std::string petsc_version(const std::string& program);
 
 /// The row of time_solver, by the program on the same matrices: rows of B must not overlap. They become bounds: unknown j of
 /// row i is replaced by B_i u, exactly, before the clock starts. The multipliers of the certificate are read off Au - b.

@@ -4,6 +4,7 @@
 
 #include "tact/bench/growth.hpp"
 #include "tact/bench/interior_point.hpp"
+#include "tact/bench/peer_program.hpp"
 #include "tact/bench/petsc_peer.hpp"
 #include "tact/bench/solver_timing.hpp"
 
@@ -104,7 +105,7 @@ Json run_solvers(const SolversOptions& options) {
     json["peers"] = Json::object();
     if (options.peers) {
         json["peers"]["IPOPT"] = interior_point() ? Json(interior_point_version()) : Json();
-        json["peers"]["PETSc"] = petsc ? Json(petsc_version(*petsc)) : Json();
+        json["peers"]["PETSc"] = petsc ? Json(peer_version(*petsc)) : Json();
     }
     for (const char* list : {"problems", "rows", "numbering", "growth"}) json[list] = Json::array();
     const auto wanted = [&](const std::string& name) {

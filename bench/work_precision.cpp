@@ -2,8 +2,12 @@
 
 #include <algorithm>
 
+#include <gsl/gsl_version.h>
+
+#include "tact/bench/peer_program.hpp"
 #include "tact/bench/progress.hpp"
 #include "tact/bench/report.hpp"
+#include "tact/bench/siconos_peer.hpp"
 #include "tact/bench/timing.hpp"
 #include "tact/bench/work_precision_answers.hpp"
 #include "tact/bench/work_precision_gsl.hpp"
@@ -48,6 +52,15 @@ void add_gsl(Json& json, const PrecisionScene& scene, const PrecisionTiming& tim
     }
 }
 
+void add_siconos(Json& json, const PrecisionScene& scene, const PrecisionTiming& timing, Progress& progress) {
+    const auto program = siconos_program();
+    if (!program) return;
+    progress.label(scene.name + ": " + siconos_method);
+    constexpr double patience = 10;  // its steps take tens of times as long
+    for (Json& row : siconos_rows(scene, *program, patience * timing.limit, [&] { progress.add(1); }))
+        json["rows"].push_back(std::move(row));
+}
+
 /// What each method is compared with, and the methods of each.
 Json references_of(const PrecisionScene& scene) {
     Json references = Json::array();
@@ -73,6 +86,7 @@ void measure(Json& json, const PrecisionScene& scene, const WorkPrecisionOptions
     const PrecisionTiming timing = timing_of(options);
     const auto methods = precision_methods_for(scene);
     double count = scene.gsl ? 3 * static_cast<double>(scene.tolerances.size()) : 0;
+    if (scene.siconos && siconos_program()) count += static_cast<double>(scene.steps.size());
     for (const PrecisionMethod& method : methods)
         count += static_cast<double>(method.adaptive ? scene.tolerances.size() : scene.steps.size());
     Progress progress(scene.name, count);
@@ -90,6 +104,7 @@ void measure(Json& json, const PrecisionScene& scene, const WorkPrecisionOptions
         }
     }
     if (scene.gsl) add_gsl(json, scene, timing, progress);
+    if (scene.siconos) add_siconos(json, scene, timing, progress);
     json["scenes"].push_back({{"scene", scene.name},
                               {"what", scene.what},
                               {"unknowns", scene.problem.size()},
@@ -113,6 +128,8 @@ Json run_work_precision(const WorkPrecisionOptions& options) {
     json["repeats"] = options.repeats;
     json["limit_seconds"] = timing_of(options).limit;
     json["machine"] = machine();
+    const auto siconos = siconos_program();
+    json["peers"] = {{"GSL", gsl_version}, {"Siconos", siconos ? Json(peer_version(*siconos)) : Json()}};
     for (const char* list : {"scenes", "rows", "answers"}) json[list] = Json::array();
     for (const PrecisionScene& scene : studied) measure(json, scene, options);
     if (options.answers) json["answers"] = precision_answers(json["rows"], options.small);

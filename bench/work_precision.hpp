@@ -16,7 +16,9 @@ struct WorkPrecisionOptions {
     bool answers = true;                   ///< the measurements behind the closing table that are no rows
 };
 
-/// {"study", "size", "repeats", "limit_seconds" after which a march is given up, "machine", "scenes": [{"scene", "what", "unknowns", "constraints", "references": [{"how",
+/// Peers: GSL's odeiv2 where there is no contact, Siconos where it was found when this was built.
+///
+/// {"study", "size", "repeats", "limit_seconds" after which a march is given up, "machine", "peers", "scenes": [{"scene", "what", "unknowns", "constraints", "references": [{"how",
 /// "own_error_u", "own_error_lambda", "methods"}]}], "rows": [...], "answers": [...]}.
 ///
 /// A row: {"scene", "integrator", "parameter", "steps", "seconds", "error_u", "error_lambda", "energy_drift",

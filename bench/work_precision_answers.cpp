@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "tact/bench/interrupt.hpp"
@@ -38,10 +39,16 @@ std::optional<double> seconds_at(const Json& rows, const std::string& scene, con
     return std::nullopt;
 }
 
+bool of_a_peer(const Json& row) {
+    const auto name = row["integrator"].get<std::string>();
+    return name.starts_with("GSL ") || name.starts_with("Siconos ");
+}
+
+/// Of our own.
 Json fastest_within(const Json& rows, const std::string& scene, double error) {
     Json best;
     for (const Json& row : rows)
-        if (row["scene"] == scene && row["seconds"].is_number() && row["error_u"] <= error &&
+        if (row["scene"] == scene && !of_a_peer(row) && row["seconds"].is_number() && row["error_u"] <= error &&
             (best.is_null() || row["seconds"] < best["seconds"]))
             best = row;
     return best;
@@ -49,6 +56,27 @@ Json fastest_within(const Json& rows, const std::string& scene, double error) {
 
 Json answer(const std::string& question, const std::string& target, const std::string& text, bool met) {
     return {{"question", question}, {"target", target}, {"answer", text}, {"met", met}};
+}
+
+/// The most accurate run of each peer against our fastest one that is as accurate.
+void peer_answers(Json& answers, const Json& rows) {
+    std::map<std::pair<std::string, std::string>, Json> most_accurate;
+    for (const Json& row : rows) {
+        if (!of_a_peer(row) || !row["seconds"].is_number()) continue;
+        Json& best = most_accurate[{row["scene"], row["integrator"]}];
+        if (best.is_null() || row["error_u"] < best["error_u"]) best = row;
+    }
+    for (const auto& [of, theirs] : most_accurate) {
+        const Json ours = fastest_within(rows, of.first, theirs["error_u"]);
+        const auto where = [](const Json& row) {
+            return row["integrator"].get<std::string>() + " " + row["parameter"].get<std::string>();
+        };
+        answers.push_back(answer(
+            of.first + ": error " + digits(theirs["error_u"]) + " in less time than " + where(theirs),
+            "< " + with_unit(theirs["seconds"]),
+            ours.is_null() ? "no run of ours is that accurate" : with_unit(ours["seconds"]) + ", " + where(ours),
+            !ours.is_null() && ours["seconds"] < theirs["seconds"]));
+    }
 }
 
 void bar_answers(Json& answers, const Json& rows, const std::string& scene) {
@@ -294,6 +322,7 @@ Json precision_answers(const Json& rows, bool small) {
     };
     for (const std::string scene : {"bar-impact", "bar-impact-redistributed"})
         if (studied(scene)) bar_answers(answers, rows, scene);
+    peer_answers(answers, rows);
     bouncing_answers(answers, small);
     Progress progress("closing table", 3);
     plates_answer(answers, small);

@@ -2,6 +2,8 @@
 #include <set>
 
 #include "tact/bench/report.hpp"
+#include "tact/bench/siconos_peer.hpp"
+#include "tact/bench/solvers.hpp"
 #include "tact/bench/work_precision.hpp"
 
 namespace tact::bench {
@@ -82,12 +84,24 @@ std::string references(const Json& scene) {
     return text;
 }
 
+/// What takes part beside our own integrators, with its options; or that it is missing.
+std::string peers(const Json& json) {
+    std::string text;
+    for (const auto& [name, version] : json["peers"].items())
+        text += "- Peer: " + name + " " + (version.is_null() ? "not there" : version.get<std::string>()) + ". " +
+                (name == "Siconos" ? siconos_options : "odeiv2, on the scene without contact, atol = rtol/1000") +
+                ".\n";
+    return text;
+}
+
 }  // namespace
 
 std::string work_precision_table(const Json& json) {
     std::string text;
     for (const Json& scene : json["scenes"])
         text += scene["scene"].get<std::string>() + "\n" + summary(json, scene) + "\n";
+    const std::string missing = missing_peers(json);
+    if (!missing.empty()) text += missing + "\n\n";
     return text + answers_table(json);
 }
 
@@ -115,6 +129,7 @@ std::string work_precision_markdown(const Json& json) {
         "has opened.\n"
         "- Energy and restitution come from a second march that is not timed. \"adaptive\" and ida: rtol is swept, "
         "atol = rtol/1000. e=0: velocities are projected where rows close.\n";
+    text += peers(json);
     for (const Json& scene : json["scenes"]) {
         text.append("\n## ").append(scene["scene"].get<std::string>()).append("\n\n");
         text.append(scene["what"].get<std::string>()).append("; ");

@@ -187,6 +187,7 @@ PrecisionScene impact(const std::string& name, bool small) {
     PrecisionScene scene = scene_of(study.family->at({}), study.t_end, doubled(60, small ? 6 : 10), 30);
     scene.tolerances = decades(-1, -6);
     scene.what = "an elastic bar of " + std::to_string(study.n) + " elements that meets a wall and leaves it";
+    scene.siconos = name == "bar-impact";
     compare_with_exact(scene, study, [](double t) { return 300 * std::clamp(t - 0.5, 0.0, 2.0 / 3); });
     return scene;
 }
@@ -236,8 +237,8 @@ PrecisionScene membrane(bool small) {
     return scene;
 }
 
-PrecisionScene plates(bool small) {
-    const StudyScene study = study_scene("two-plates", small ? 8 : 100);
+PrecisionScene plates(bool small, Index n) {
+    const StudyScene study = study_scene("two-plates", n);
     // The blow falls on the end of a step: at .002 s.
     const std::vector<long> full_steps{200, 400, 600, 1000, 1400, 2000}, small_steps{25, 50, 125, 250, 500, 1000};
     PrecisionScene scene = scene_of(study.family->at({}), small ? study.t_end / 8 : study.t_end,
@@ -260,7 +261,12 @@ const std::map<std::string, std::function<PrecisionScene(const std::string&, boo
         {"bouncing-bar", bouncing},
         {"bouncing-bar-redistributed", bouncing},
         {"dynamic-obstacle", [](const std::string&, bool small) { return membrane(small); }},
-        {"two-plates", [](const std::string&, bool small) { return plates(small); }}};
+        {"two-plates", [](const std::string&, bool small) { return plates(small, small ? 8 : 100); }},
+        {"two-plates-coarse", [](const std::string&, bool small) {
+             PrecisionScene scene = plates(small, small ? 6 : 16);
+             scene.siconos = true;
+             return scene;
+         }}};
     return all;
 }
 
@@ -270,7 +276,8 @@ std::vector<std::string> precision_scene_names() {
     return {"held-bar",         "free-membrane",
             "bar-impact",       "bar-impact-redistributed",
             "bouncing-bar",     "bouncing-bar-redistributed",
-            "dynamic-obstacle", "two-plates"};
+            "dynamic-obstacle", "two-plates",
+            "two-plates-coarse"};
 }
 
 PrecisionScene precision_scene(const std::string& name, bool small) {

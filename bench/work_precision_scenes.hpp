@@ -32,8 +32,9 @@ struct PrecisionScene {
     long outputs = 0;                ///< output times k t_end / outputs, k from 1; divides all `steps`
     /// What this method is compared with, made when it is first asked for.
     std::function<std::shared_ptr<const Reference>(const PrecisionMethod&)> reference;
-    bool gsl = false;     ///< GSL's integrators take part
-    bool impacts = true;  ///< something closes while it approaches
+    bool gsl = false;      ///< GSL's integrators take part
+    bool siconos = false;  ///< Siconos' time stepping takes part
+    bool impacts = true;   ///< something closes while it approaches
 
     double output(long k) const { return t_end * static_cast<double>(k) / static_cast<double>(outputs); }
 };

@@ -12,13 +12,14 @@ STYLE = {
     "trapezoid:rho=0.3": ("#fdae6b", "d"), "moreau-jean": ("#7f7f7f", "X"), "ida-fixed": ("#6aaed6", "."), "ida": ("#2171b5", "^"),
     "sdirk2": ("#dd1c77", "v"), "tr-bdf2": ("#8c6bb1", "<"), "esdirk32": ("#b8860b", ">"), "sdirk54": ("#000000", "p"),
     "GSL msbdf": ("#4d9221", "1"), "GSL msadams": ("#7fbc41", "2"), "GSL rk8pd": ("#c51b7d", "3"),
+    "Siconos moreau-jean": ("#7f7f7f", "4"),
 }
 
 
 def style_of(integrator):
     base = integrator.replace(", adaptive", "").replace(":e=0", "")
     colour, marker = STYLE.get(base, ("#444444", "*"))
-    dashed = "adaptive" in integrator or base == "ida" or base.startswith("GSL")
+    dashed = "adaptive" in integrator or base == "ida" or base.startswith(("GSL", "Siconos"))
     line = (":" if dashed else "-.") if ":e=0" in integrator else "--" if dashed else "-"
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, "linewidth": 1.1,
             "markerfacecolor": "white" if dashed else colour}

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tact/bench/peer_program.hpp"
 #include "tact/bench/scenes.hpp"
+#include "tact/bench/siconos_peer.hpp"
 #include "tact/bench/work_precision_answers.hpp"
 #include "tact/bench/work_precision_gsl.hpp"
 #include "tact/bench/work_precision_run.hpp"
@@ -59,6 +61,43 @@ TEST(WorkPrecision, TheImpulseOfTheBarIsThatOfTheExactForce) {
     EXPECT_EQ(recorded.steps, 960);
     EXPECT_LT(error_lambda(recorded.impulse, *exact), 0.05);
     EXPECT_LE(recorded.energy_drift, 1e-12) << "the energy theorem";
+}
+
+TEST(WorkPrecision, SiconosMarchesAsOurMoreauJeanDoes) {
+    const auto program = siconos_program();
+    if (!program) GTEST_SKIP() << "built without Siconos";
+    EXPECT_NE(peer_version(*program).find('.'), std::string::npos);
+    const PrecisionMethod& ours = method("moreau-jean");
+    for (const char* name : {"bar-impact", "two-plates-coarse"}) {
+        PrecisionScene scene = precision_scene(name, true);
+        scene.problem.f = Vector(scene.problem.f.at(0.003));  // where a load jumps, a step takes another share of it
+        scene.steps.resize(2);
+        int done = 0;
+        const std::vector<Json> rows = siconos_rows(scene, *program, 5, [&] { ++done; });
+        EXPECT_EQ(done, 2);
+        ASSERT_EQ(rows.size(), 2u);
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            const auto steps = static_cast<double>(scene.steps[k]);
+            const Json expected = precision_row(scene, ours, steps, {.repeats = 1, .enough = 0, .limit = 10});
+            ASSERT_EQ(rows[k]["outcome"], "converged") << rows[k];
+            EXPECT_GT(rows[k]["seconds"], 0);
+            for (const char* field : {"error_u", "error_lambda"})
+                EXPECT_NEAR(rows[k][field].get<double>() / expected[field].get<double>(), 1, 1e-6) << rows[k];
+        }
+    }
+}
+
+TEST(WorkPrecision, SiconosLeavesOutWhatWouldTakeTooLong) {
+    const auto program = siconos_program();
+    if (!program) GTEST_SKIP() << "built without Siconos";
+    PrecisionScene scene = precision_scene("bar-impact", true);
+    scene.steps = {30, 3000000};
+    const std::vector<Json> rows = siconos_rows(scene, *program, 2, [] {});
+    EXPECT_EQ(rows[0]["outcome"], "converged");
+    EXPECT_NE(rows[1]["outcome"].get<std::string>().find("would take"), std::string::npos);
+    EXPECT_TRUE(rows[1]["error_u"].is_null());
+    scene.problem.D = scene.problem.K;
+    EXPECT_THROW(siconos_rows(scene, *program, 2, [] {}), InputError);
 }
 
 TEST(WorkPrecision, AFailureIsARowThatSaysWhy) {
