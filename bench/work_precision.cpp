@@ -56,7 +56,7 @@ void add_siconos(Json& json, const PrecisionScene& scene, const PrecisionTiming&
     const auto program = siconos_program();
     if (!program) return;
     progress.label(scene.name + ": " + siconos_method);
-    constexpr double patience = 10;  // its steps take tens of times as long
+    constexpr double patience = 5;  // its steps take hundreds of times as long
     for (Json& row : siconos_rows(scene, *program, patience * timing.limit, [&] { progress.add(1); }))
         json["rows"].push_back(std::move(row));
 }
