@@ -73,15 +73,32 @@ private:
     Lanes highest_[2] = {}, lowest_[2] = {}, sum_[2] = {};
 };
 
-Lanes size_of(const Lanes& v) { return v < 0.0 ? -v : v; }
+typedef long Bits __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT
+
+Lanes size_of(const Lanes& v) {
+    return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(v) & std::numeric_limits<long>::max());
+}
+
+/// One of the lanes after `pair` has made one of two, three times.
+template <class Pair> double fold(Lanes v, const Pair& pair) {
+    v = pair(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = pair(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+    v = pair(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
+    return v[0];
+}
+
+double total(const Lanes& v) {
+    return fold(v, [](const Lanes& a, const Lanes& b) -> Lanes { return a + b; });
+}
 
 /// The largest size of some numbers; a NaN among them makes it infinite.
 class Largest {
 public:
-    void take(const Lanes& v) {
+    /// `way` is 0 or 1: two ways, because each comparison waits for the one before.
+    void take(const Lanes& v, int way = 0) {
         const Lanes size = size_of(v);
-        largest_ = size > largest_ ? size : largest_;
-        sum_ += size;
+        largest_[way] = size > largest_[way] ? size : largest_[way];
+        sum_[way] += size;
     }
     void take(const double* x, Index count) {
         Index i = 0;
@@ -89,16 +106,12 @@ public:
         if (i < count) take(load(x + i, count - i));
     }
     double value() const {
-        double largest = 0, sum = 0;
-        for (Index l = 0; l < lanes; ++l) {
-            largest = std::max(largest, largest_[l]);
-            sum += sum_[l];
-        }
-        return std::isnan(sum) ? infinity : largest;
+        const auto larger = [](const Lanes& a, const Lanes& b) -> Lanes { return a > b ? a : b; };
+        return std::isnan(total(sum_[0] + sum_[1])) ? infinity : fold(larger(largest_[0], largest_[1]), larger);
     }
 
 private:
-    Lanes largest_ = {}, sum_ = {};
+    Lanes largest_[2] = {}, sum_[2] = {};
 };
 
 /// The rows of A in blocks, for A x and |A||x| taken together.
@@ -179,6 +192,12 @@ private:
     Matrix direct_;  // dense or diagonal; else empty
 };
 
+/// A column of B' and its multiplier.
+struct Force {
+    const double* column;
+    double multiplier;
+};
+
 /// Of the rows with a multiplier.
 struct Touch {
     double gap, lambda;
@@ -190,8 +209,26 @@ struct RowProduct {
 
 /// b'u and |b|'|u|.
 RowProduct row_product(const double* b, const double* u, Index n) {
-    const Eigen::Map<const Eigen::ArrayXd> row(b, n), x(u, n);
-    return {(row * x).sum(), (row * x).abs().sum()};
+    Lanes sum[2] = {}, size[2] = {};
+    const auto take = [&](const Lanes& term, int way) {
+        sum[way] += term;
+        size[way] += size_of(term);
+    };
+    Index i = 0;
+    for (; i + 2 * lanes <= n; i += 2 * lanes) {
+        take(load(b + i) * load(u + i), 0);
+        take(load(b + i + lanes) * load(u + i + lanes), 1);
+    }
+    if (i + lanes <= n) {
+        take(load(b + i) * load(u + i), 0);
+        i += lanes;
+    }
+    RowProduct product{total(sum[0] + sum[1]), total(size[0] + size[1])};
+    for (; i < n; ++i) {
+        product.sum += b[i] * u[i];
+        product.size += std::abs(b[i] * u[i]);
+    }
+    return product;
 }
 
 template <class Each> void for_each_block(Index rows, Each each) {
@@ -232,6 +269,7 @@ struct KktCertificate::Work {
     Work(const Matrix& A_, const Matrix& B_) : A(A_), B(B_), B_transposed(Rows::transposed(B_)) {}
     Rows A, B, B_transposed;
     std::vector<Touch> touches;
+    std::vector<Force> forces;
 };
 
 KktCertificate::KktCertificate(const Matrix& A, const Matrix& B) : work_(std::make_unique<Work>(A, B)) {}
@@ -241,22 +279,37 @@ KktCertificate& KktCertificate::operator=(KktCertificate&&) noexcept = default;
 
 namespace {
 
-/// |D u - b| and |D||u| + |b| over a block, in one pass.
-void take_diagonal(Index count, const double* d, const double* u, const double* b, Largest& residual,
-                   Largest& force_scale) {
-    const auto take = [&](auto load_from) {
+/// |D u - b - B'lambda| and |D||u| + |b| + |B'||lambda|, in one pass; no matrix is formed of the few columns that count.
+void take_diagonal(Index n, const double* d, const double* u, const double* b, const std::vector<Force>& forces,
+                   Largest& residual, Largest& force_scale) {
+    const auto take = [&](auto load_from, int way) {
         const Lanes term = load_from(d) * load_from(u), load_b = load_from(b);
-        residual.take(term - load_b);
-        force_scale.take(size_of(term) + size_of(load_b));
+        Lanes sum = term - load_b, size = size_of(term) + size_of(load_b);
+        for (const Force& force : forces) {
+            const Lanes pressed = load_from(force.column) * force.multiplier;
+            sum -= pressed;
+            size += size_of(pressed);
+        }
+        residual.take(sum, way);
+        force_scale.take(size, way);
     };
+    const auto take_at = [&](Index i, int way) { take([i](const double* x) { return load(x + i); }, way); };
+    if (n < lanes) return take([n](const double* x) { return load(x, n); }, 0);
     Index i = 0;
-    for (; i + lanes <= count; i += lanes) take([i](const double* x) { return load(x + i); });
-    if (i < count) take([i, count](const double* x) { return load(x + i, count - i); });
+    for (; i + 2 * lanes <= n; i += 2 * lanes) {
+        take_at(i, 0);
+        take_at(i + lanes, 1);
+    }
+    // The ends of what is left, some numbers twice: a maximum does not mind.
+    if (i + lanes <= n) take_at(i, 0);
+    if (i < n) take_at(n - lanes, 1);
 }
 
-struct NoForces {
-    void operator()(Index, Index, double*, double*) const {}
-};
+void set_stationarity(KktResiduals& kkt, const Largest& residual, const Largest& force_scale) {
+    const double forces = force_scale.value();
+    kkt.absolute.stationarity = residual.value();
+    kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
+}
 
 /// |A u - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`.
 template <class AddForces>
@@ -265,10 +318,6 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
     alignas(64) Buffer sum, size;
     Largest residual, force_scale;
     for_each_block(A.size(), [&](Index block, Index first, Index count) {
-        if constexpr (std::is_same_v<AddForces, NoForces>)
-            if (const Vector* d = A.diagonal())
-                return take_diagonal(count, d->data() + first, u.data() + first, b.data() + first, residual,
-                                     force_scale);
         for (Index i = 0; i < count; ++i) {
             sum[i] = -b[first + i];
             size[i] = std::abs(b[first + i]);
@@ -278,9 +327,7 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
         residual.take(sum, count);
         force_scale.take(size, count);
     });
-    const double forces = force_scale.value();
-    kkt.absolute.stationarity = residual.value();
-    kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
+    set_stationarity(kkt, residual, force_scale);
 }
 
 void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, const Range& multiplier,
@@ -342,13 +389,19 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     const DenseMatrix* Bt = w.B_transposed.dense();
     if (!Bt) throw InputError("KktCertificate: B is not dense, expected dense where rows are listed");
     KktResiduals kkt;
-    if (rows.empty()) {
-        take_stationarity(kkt, w.A, b, u, NoForces());
-        return kkt;
+    if (const Vector* d = w.A.diagonal()) {
+        w.forces.clear();
+        for (const Index i : rows)
+            if (lambda[i] != 0) w.forces.push_back({Bt->col(i).data(), lambda[i]});
+        Largest residual, force_scale;
+        take_diagonal(d->size(), d->data(), u.data(), b.data(), w.forces, residual, force_scale);
+        set_stationarity(kkt, residual, force_scale);
+    } else {
+        take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+            w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
+        });
     }
-    take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
-        w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
-    });
+    if (rows.empty()) return kkt;
     alignas(64) Buffer opening, size, force;
     Range gap, gap_scale, multiplier;
     w.touches.clear();

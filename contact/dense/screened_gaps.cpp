@@ -19,6 +19,8 @@ double beyond(double c) { return c * (c > 0 ? 1 + rounding : 1 - rounding); }
 constexpr Index lanes = 16;
 typedef float Lanes __attribute__((vector_size(sizeof(float) * lanes)));  // NOLINT: `using` takes no attribute
 
+typedef int Flags __attribute__((vector_size(sizeof(int) * lanes)));  // NOLINT
+
 Lanes load(const float* x) {
     Lanes v;
     std::memcpy(&v, x, sizeof v);
@@ -26,10 +28,13 @@ Lanes load(const float* x) {
 }
 void store(const Lanes& v, float* x) { std::memcpy(x, &v, sizeof v); }
 
-/// sum += the strip's columns [first, last) times u, in two sums because one would wait for itself.
+/// sum += the strip's columns [first, last) times u, in two sums because one would wait for itself; from nothing where
+/// first is 0.
 template <int vectors> void add_columns(const float* entries, const float* u, Index first, Index last, float* sum) {
     constexpr int ways = 2;
     Lanes total[ways][vectors] = {};
+    if (first > 0)
+        for (int k = 0; k < vectors; ++k) total[1][k] = load(sum + k * lanes);
     const float* column = entries + first * vectors * lanes;
     Index j = first;
     for (; j + ways <= last; j += ways)
@@ -37,9 +42,7 @@ template <int vectors> void add_columns(const float* entries, const float* u, In
             for (int k = 0; k < vectors; ++k) total[way][k] += load(column + k * lanes) * u[j + way];
     if (j < last)
         for (int k = 0; k < vectors; ++k) total[0][k] += load(column + k * lanes) * u[j];
-    for (int k = 0; k < vectors; ++k) {
-        store(load(sum + k * lanes) + (total[0][k] + total[1][k]), sum + k * lanes);
-    }
+    for (int k = 0; k < vectors; ++k) store(total[0][k] + total[1][k], sum + k * lanes);
 }
 
 }  // namespace
@@ -78,11 +81,11 @@ ScreenedGaps::ScreenedGaps(const DenseMatrix& B)
     direction_.resize(B.cols());
     sum_.resize(padded);
     bound_ = Eigen::VectorXf::Constant(padded, -std::numeric_limits<float>::infinity());
+    marks_.setZero(padded);
     doubt_.reserve(static_cast<std::size_t>(m));
 }
 
-void ScreenedGaps::take_columns(Index first, Index last, const ConstVectorRef& u, double unit) {
-    for (Index j = first; j < last; ++j) direction_[j] = static_cast<float>(u[j] * unit);
+void ScreenedGaps::take_columns(Index first, Index last) {
     for (const Strip& strip : strips_) {
         const auto add = [&]<int... vectors>(std::integer_sequence<int, vectors...>) {
             ((strip.vectors == vectors + 1 ? add_columns<vectors + 1>(strip.entries, direction_.data(), first, last,
@@ -94,11 +97,19 @@ void ScreenedGaps::take_columns(Index first, Index last, const ConstVectorRef& u
     }
 }
 
-Index ScreenedGaps::count_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns) const {
+Index ScreenedGaps::mark_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns, double size) {
     const float left = static_cast<float>(tail * 1.000001);
-    const float allowance = single_rounding * static_cast<float>(columns + 4);
-    int count = 0;
-    for (Index i = 0; i < sum_.size(); ++i) count += sum_[i] - tail_size[i] * left - allowance > bound_[i] ? 0 : 1;
+    const float allowance = single_rounding * static_cast<float>(columns + 4) * static_cast<float>(size * 1.000001);
+    const float *sum = sum_.data(), *reach = tail_size.data(), *bound = bound_.data();
+    Flags marked = {};
+    for (Index i = 0; i < sum_.size(); i += lanes) {
+        const Flags open = load(sum + i) - load(reach + i) * left - allowance > load(bound + i);
+        marked += open;
+        const Flags doubt = ~open;
+        std::memcpy(marks_.data() + i, &doubt, sizeof doubt);
+    }
+    Index count = sum_.size();
+    for (Index l = 0; l < lanes; ++l) count += marked[l];
     return count;
 }
 
@@ -106,45 +117,40 @@ std::span<const Index> ScreenedGaps::in_doubt(const ConstVectorRef& u, const Con
     const Index m = B_.rows(), p = B_.cols();
     const double first = u.head(near_).squaredNorm(), second = u.segment(near_, far_ - near_).squaredNorm(),
                  third = u.tail(p - far_).squaredNorm();
-    const double total = first + second + third, size = std::sqrt(total), unit = 1 / size;
+    const double total = first + second + third;
     doubt_.clear();
-    // In units of |B_i||u|. Where |u|^2 is no number that can be trusted, no bound holds, and every row is in doubt.
+    // In units that single precision holds. Where |u|^2 is no number that can be trusted, no bound holds, and every row is
+    // in doubt.
     const bool measured = total > 1e-280 && total < infinity;
+    const double unit = total > 1e-30 && total < 1e30 ? 1 : 1 / std::sqrt(total);
+    if (!measured) {
+        marks_.setConstant(-1);
+    } else if (!take_looks(u, c, total, second, third, unit)) {
+        return {};
+    }
+    const double allowance = rounding * std::sqrt(total * static_cast<double>(p));
+    for (Index i = 0; i < m; ++i)
+        if (marks_[i] != 0 && !(B_.row(i).dot(u) > beyond(c[i]) + allowance * row_size_[i])) doubt_.push_back(i);
+    return doubt_;
+}
+
+bool ScreenedGaps::take_looks(const ConstVectorRef& u, const ConstVectorRef& c, double total, double second,
+                              double third, double unit) {
+    const Index m = B_.rows(), p = B_.cols();
     for (Index i = 0; i < m; ++i) {
         const float bound = static_cast<float>(c[i] * inverse_size_[i] * unit);
         bound_[i] = std::max(bound * (1 + 4 * single_rounding), bound * (1 - 4 * single_rounding));
     }
-    const Eigen::VectorXf* tail_size = &no_tail_;
-    double tail = measured ? 0 : infinity;
-    Index columns = p;
-    if (measured) {
-        sum_.setZero();
-        take_columns(0, near_, u, unit);
-        tail = std::sqrt(second + third) * unit;
-        if (count_doubts(near_tail_, tail, near_) == 0) return {};
-        take_columns(near_, far_, u, unit);
-        tail_size = &far_tail_;
-        tail = std::sqrt(third) * unit;
-        columns = far_;
-        constexpr Index few = 6;
-        if (const Index doubts = count_doubts(far_tail_, tail, far_); doubts == 0) {
-            return {};
-        } else if (doubts > few && far_ < p) {
-            take_columns(far_, p, u, unit);
-            tail_size = &no_tail_;
-            tail = 0;
-            columns = p;
-        }
-    }
-    const float left = static_cast<float>(tail * 1.000001);
-    const float allowed = single_rounding * static_cast<float>(columns + 4);
-    const double allowance = rounding * std::sqrt(total * static_cast<double>(p));
-    const float *sum = sum_.data(), *reach = tail_size->data(), *bound = bound_.data();
-    for (Index i = 0; i < m; ++i) {
-        if (measured && sum[i] - reach[i] * left - allowed > bound[i]) continue;
-        if (!(B_.row(i).dot(u) > beyond(c[i]) + allowance * row_size_[i])) doubt_.push_back(i);
-    }
-    return doubt_;
+    const double size = std::sqrt(total) * unit;
+    for (Index j = 0; j < p; ++j) direction_[j] = static_cast<float>(u[j] * unit);
+    take_columns(0, near_);
+    if (mark_doubts(near_tail_, std::sqrt(second + third) * unit, near_, size) == 0) return false;
+    take_columns(near_, far_);
+    const Index doubts = mark_doubts(far_tail_, std::sqrt(third) * unit, far_, size);
+    constexpr Index few = 6;
+    if (doubts <= few || far_ == p) return doubts > 0;
+    take_columns(far_, p);
+    return mark_doubts(no_tail_, 0, p, size) > 0;
 }
 
 }  // namespace tact

@@ -26,8 +26,10 @@ private:
     };
     static constexpr Index lanes = 16, widest = 6;
 
-    void take_columns(Index first, Index last, const ConstVectorRef& u, double unit);
-    Index count_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns) const;
+    void take_columns(Index first, Index last);
+    bool take_looks(const ConstVectorRef& u, const ConstVectorRef& c, double total, double second, double third,
+                    double unit);
+    Index mark_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns, double size);
 
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> B_;
     Vector row_size_, inverse_size_;
@@ -36,6 +38,7 @@ private:
     std::vector<Strip> strips_;
     Eigen::VectorXf near_tail_, far_tail_, no_tail_;  // of those rows, rounded up
     Eigen::VectorXf direction_, sum_, bound_;
+    Eigen::VectorXi marks_;  // of the rows in doubt, not zero
     std::vector<Index> doubt_;
 };
 
