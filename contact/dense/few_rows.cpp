@@ -4,6 +4,28 @@
 #include <cmath>
 
 namespace tact {
+namespace {
+
+/// a'x, b'x, c'x and d'x, which read x once and do not wait for one another.
+Eigen::Array4d products(const double* a, const double* b, const double* c, const double* d, const Vector& x) {
+    constexpr Index lanes = 8;
+    using Lanes = Eigen::Array<double, lanes, 1>;
+    using Map = Eigen::Map<const Lanes>;
+    Lanes sum_a = Lanes::Zero(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
+    Index i = 0;
+    for (; i + lanes <= x.size(); i += lanes) {
+        const Lanes part = Map(x.data() + i);
+        sum_a += Map(a + i) * part;
+        sum_b += Map(b + i) * part;
+        sum_c += Map(c + i) * part;
+        sum_d += Map(d + i) * part;
+    }
+    Eigen::Array4d sum(sum_a.sum(), sum_b.sum(), sum_c.sum(), sum_d.sum());
+    for (; i < x.size(); ++i) sum += x[i] * Eigen::Array4d(a[i], b[i], c[i], d[i]);
+    return sum;
+}
+
+}  // namespace
 
 FewRows::FewRows(const Matrix& A, const DenseMatrix& B, const CondensedRows& condensed)
     : condensed_(condensed),
@@ -18,6 +40,7 @@ FewRows::FewRows(const Matrix& A, const DenseMatrix& B, const CondensedRows& con
     for (std::size_t k = 0; k < condensed.bounds.size(); ++k)
         bound_of_[static_cast<std::size_t>(condensed.bounds[k].row)] = static_cast<Index>(k);
     listed_.reserve(bound_of_.size());
+    pressed_.reserve(bound_of_.size());
 }
 
 /// The row joins C with the violation that A^-1 b leaves it.
@@ -28,11 +51,25 @@ void FewRows::enter(Index row, const ConstVectorRef& c) {
 }
 
 void FewRows::measure(Index place, const ConstVectorRef& c) {
+    measure(place, c, rows_.col(play_.rows()[static_cast<std::size_t>(place)]).dot(free_));
+}
+
+void FewRows::measure(Index place, const ConstVectorRef& c, double moved) {
     const Index row = play_.rows()[static_cast<std::size_t>(place)];
-    const double bound = c[row] * condensed_.scale[row], moved = rows_.col(row).dot(free_);
+    const double bound = c[row] * condensed_.scale[row];
     play_.violation(place) = bound - moved;
     play_.allowance(place) = CondensedRows::gap_tolerance * (std::abs(bound) + std::abs(moved));
     gap_size_ = std::max(gap_size_, std::max(std::abs(bound), std::abs(moved)) / condensed_.scale[row]);
+}
+
+void FewRows::measure_all(const ConstVectorRef& c) {
+    const auto row = [&](Index place) { return rows_.col(play_.rows()[static_cast<std::size_t>(place)]).data(); };
+    Index place = 0;
+    for (; place + 4 <= play_.size(); place += 4) {
+        const Eigen::Array4d moved = products(row(place), row(place + 1), row(place + 2), row(place + 3), free_);
+        for (Index k = 0; k < 4; ++k) measure(place + k, c, moved[k]);
+    }
+    for (; place < play_.size(); ++place) measure(place, c);
 }
 
 /// C for a guess: what was in play last time, unless that is many more.
@@ -42,7 +79,7 @@ void FewRows::start(const ConstVectorRef& c, const ConstVectorRef& guess) {
     for (Index i = 0; i < guess.size(); ++i)
         if (guess[i] > 0 && c[i] > -infinity) listed_.push_back(i);
     if (play_.size() > static_cast<Index>(listed_.size()) + spare) play_.clear();
-    for (Index k = 0; k < play_.size(); ++k) measure(k, c);
+    measure_all(c);
     for (const Index row : listed_)
         if (!play_.holds(row)) enter(row, c);
     for (Index k = 0; k < play_.size(); ++k) {
@@ -53,15 +90,22 @@ void FewRows::start(const ConstVectorRef& c, const ConstVectorRef& guess) {
 
 /// u = A^-1 (b + B'lambda) for the multipliers of C.
 void FewRows::move(const ConstVectorRef& c, Vector& u) {
-    u = free_;
+    pressed_.clear();
     for (Index k = 0; k < play_.size(); ++k)
-        if (play_.multiplier(k) > 0)
-            u += play_.multiplier(k) * condensed_.W.col(play_.rows()[static_cast<std::size_t>(k)]);
+        if (play_.multiplier(k) > 0) pressed_.push_back(k);
+    u = free_;
+    const auto part = [&](std::size_t k) {
+        return play_.multiplier(pressed_[k]) * condensed_.W.col(play_.rows()[static_cast<std::size_t>(pressed_[k])]);
+    };
+    std::size_t k = 0;
+    for (; k + 4 <= pressed_.size(); k += 4) u += part(k) + part(k + 1) + part(k + 2) + part(k + 3);
+    for (; k < pressed_.size(); ++k) u += part(k);
     if (condensed_.bounds.empty()) return;
     // A bound is met exactly: a gap of zero then is zero, not rounding.
-    for (Index k = 0; k < play_.size(); ++k) {
-        const Index row = play_.rows()[static_cast<std::size_t>(k)], bound = bound_of_[static_cast<std::size_t>(row)];
-        if (bound < 0 || !(play_.multiplier(k) > 0)) continue;
+    for (const Index place : pressed_) {
+        const Index row = play_.rows()[static_cast<std::size_t>(place)];
+        const Index bound = bound_of_[static_cast<std::size_t>(row)];
+        if (bound < 0) continue;
         const auto& [same_row, column, weight] = condensed_.bounds[static_cast<std::size_t>(bound)];
         u[column] = c[same_row] / weight;
     }

@@ -27,6 +27,8 @@ private:
     void start(const ConstVectorRef& c, const ConstVectorRef& guess);
     void enter(Index row, const ConstVectorRef& c);
     void measure(Index place, const ConstVectorRef& c);
+    void measure(Index place, const ConstVectorRef& c, double moved);
+    void measure_all(const ConstVectorRef& c);
     void move(const ConstVectorRef& c, Vector& u);
     bool take_in_doubt(const ConstVectorRef& c, const Vector& u);
 
@@ -37,6 +39,7 @@ private:
     RowsInPlay play_;
     std::vector<Index> bound_of_;  // of each row: its place in condensed_.bounds, or -1
     std::vector<Index> listed_;    // what is certified: the rows in doubt and those with a multiplier
+    std::vector<Index> pressed_;   // places in C with a multiplier
     Vector free_;                  // A^-1 b, once C has a row
     Vector lambda_, soft_c_;
     double gap_size_ = 0;

@@ -33,11 +33,11 @@ void SchurFactor::solve_upper(VectorRef x) const {
         L_.topLeftCorner(k, k).triangularView<Eigen::Lower>().transpose().solveInPlace(x.head(k));
         return;
     }
+    // Rows of L in turn: each x_j leaves those above it, which do not wait for one another.
     for (Index j = k - 1; j >= 0; --j) {
-        const double* column = L_.col(j).data();
-        double sum = x[j];
-        for (Index i = j + 1; i < k; ++i) sum -= column[i] * x[i];
-        x[j] = sum / column[j];
+        const double* row = L_.data() + j;
+        const double xj = x[j] /= row[j * L_.rows()];
+        for (Index i = 0; i < j; ++i) x[i] -= xj * row[i * L_.rows()];
     }
 }
 

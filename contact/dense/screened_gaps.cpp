@@ -143,14 +143,18 @@ bool ScreenedGaps::take_looks(const ConstVectorRef& u, const ConstVectorRef& c, 
     }
     const double size = std::sqrt(total) * unit;
     for (Index j = 0; j < p; ++j) direction_[j] = static_cast<float>(u[j] * unit);
+    const auto look_at_all = [&](Index from) {
+        take_columns(from, p);
+        return needs_all_ = mark_doubts(no_tail_, 0, p, size) > 0;
+    };
+    if (needs_all_) return look_at_all(0);
     take_columns(0, near_);
     if (mark_doubts(near_tail_, std::sqrt(second + third) * unit, near_, size) == 0) return false;
     take_columns(near_, far_);
     const Index doubts = mark_doubts(far_tail_, std::sqrt(third) * unit, far_, size);
     constexpr Index few = 6;
     if (doubts <= few || far_ == p) return doubts > 0;
-    take_columns(far_, p);
-    return mark_doubts(no_tail_, 0, p, size) > 0;
+    return look_at_all(far_);
 }
 
 }  // namespace tact

@@ -38,7 +38,8 @@ private:
     std::vector<Strip> strips_;
     Eigen::VectorXf near_tail_, far_tail_, no_tail_;  // of those rows, rounded up
     Eigen::VectorXf direction_, sum_, bound_;
-    Eigen::VectorXi marks_;  // of the rows in doubt, not zero
+    bool needs_all_ = false;  // the last answer did not come from fewer columns: the next one will not either
+    Eigen::VectorXi marks_;   // of the rows in doubt, not zero
     std::vector<Index> doubt_;
 };
 
