@@ -96,11 +96,11 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
     const MatrixFacts facts = matrix_facts(A);
     const bool sor = rows.bounds && may(Strategy::colour_sor);
     const bool cg = rows.disjoint && A.rows() > cheap_to_factor && may(Strategy::projected_cg);
-    if (sor && facts.well_conditioned(A, options.sweepable))
+    if (sor && facts.well_conditioned(A, facts.narrow ? options.sweepable_if_narrow : options.sweepable))
         return {Strategy::colour_sor, "well-conditioned A, bounds"};
     if (cg && facts.well_conditioned(A, options.well_conditioned))
         return {Strategy::projected_cg, "well-conditioned A, rows that do not overlap"};
-    if (B.rows() > 0 && rows.bounds && facts.m_matrix && facts.positive_diagonal &&
+    if (B.rows() > 0 && rows.bounds && facts.m_matrix && facts.positive_diagonal && !facts.narrow &&
         may(Strategy::multigrid_active_set))
         return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
     if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&

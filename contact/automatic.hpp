@@ -31,6 +31,8 @@ struct AutomaticOptions {
     double well_conditioned = 20;
     /// The same for bounds, whose sweeps are cheaper: some 100 of them still beat a factor and its growing pool.
     double sweepable = 100;
+    /// The same where a factor of A is no larger than A: bars, strings, strips.
+    double sweepable_if_narrow = 10;
     /// Solves with one A before its factor pays; one more for every 16 rows that were in contact meanwhile.
     int solves_before_factor = 20;
 };
@@ -38,9 +40,9 @@ struct AutomaticOptions {
 /// The chooser. In this order, for symmetric A:
 ///   diagonal, rows that do not overlap                -> DiagonalContact
 ///   dense or diagonal, or few unknowns                -> DenseContact
-///   bounds, condition up to `sweepable`               -> ColourSor
+///   bounds, condition up to `sweepable`               -> ColourSor (up to `sweepable_if_narrow` where A is a narrow band)
 ///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more
-///   M-matrix and bounds                               -> MultigridActiveSet
+///   M-matrix and bounds, not a narrow band            -> MultigridActiveSet
 ///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint
 ///   else                                              -> SchurContact
 /// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:

@@ -24,8 +24,10 @@ MatrixFacts matrix_facts(const Matrix& A) {
     MatrixFacts facts;
     double diagonals = 0, sum = 0, positive = 0, couplings = 0, dominance = infinity;
     facts.positive_diagonal = S.cols() > 0;
+    Index profile = 0;
     for (Index j = 0; j < S.cols(); ++j) {
         double diagonal = 0, coupled = 0, above_zero = 0;
+        if (outer[j] < outer[j + 1]) profile += std::max<Index>(0, j - inner[outer[j]]);
         for (auto k = outer[j]; k < outer[j + 1]; ++k) {
             const bool off = inner[k] != j;
             diagonal += off ? 0 : value[k];
@@ -39,6 +41,7 @@ MatrixFacts matrix_facts(const Matrix& A) {
         sum += diagonal - coupled + 2 * above_zero;
         dominance = std::min(dominance, (diagonal - coupled) / diagonal);
     }
+    facts.narrow = profile <= S.nonZeros();
     facts.m_matrix = positive <= 1e-3 * couplings;
     facts.condition_above = sum > 0 ? std::max(1.0, diagonals / sum) : infinity;
     facts.condition_below = dominance > 0 ? (2 - dominance) / dominance : infinity;

@@ -15,6 +15,9 @@ struct MatrixFacts {
     /// and at most this (Gershgorin; infinite unless A is diagonally dominant in every row).
     double condition_below = infinity;
 
+    /// The profile below the diagonal holds no more numbers than A: a factor in this numbering is no larger than A itself.
+    bool narrow = false;
+
     /// Whether the condition is at most `limit`: the bounds decide, or 20 Lanczos steps between them.
     bool well_conditioned(const Matrix& A, double limit) const;
 };

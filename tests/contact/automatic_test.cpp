@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include <Eigen/Eigenvalues>
 
 #include "tact/contact/klu_active_set.hpp"
@@ -77,6 +80,31 @@ TEST(AutomaticContact, GivesUpAnIterationThatIsSlowAgainAndAgain) {
     }
     EXPECT_EQ(strategies,
               (std::vector<std::string_view>{"colour SOR", "colour SOR", "colour SOR", "Schur complement"}));
+}
+
+TEST(AutomaticContact, TakesTheFactorAtOnceWhereItIsNoLargerThanTheMatrix) {
+    // a string of 1000 nodes over an obstacle at -1 under a load that presses it down, in order and shuffled
+    constexpr Index n = 1000;
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order(n);
+    order.setIdentity();
+    for (int shuffled : {0, 1}) {
+        std::mt19937 random(3);
+        if (shuffled) std::shuffle(order.indices().begin(), order.indices().end(), random);
+        std::vector<Eigen::Triplet<double>> entries;
+        for (Index i = 0; i < n; ++i) {
+            entries.emplace_back(order.indices()[i], order.indices()[i], 2.2);
+            if (i + 1 < n)
+                for (const auto& [a, b] : {std::pair(i, i + 1), std::pair(i + 1, i)})
+                    entries.emplace_back(order.indices()[a], order.indices()[b], -1);
+        }
+        SparseMatrix A(n, n);
+        A.setFromTriplets(entries.begin(), entries.end());
+        const Obstacle o{Matrix(A), Matrix::identity(n), Vector::Constant(n, -0.3), Vector::Constant(n, -1)};
+        const Solved s = solve(*AutomaticContact().prepare(o.K, o.B), o);
+        EXPECT_EQ(s.report.outcome, Outcome::converged);
+        EXPECT_EQ(s.report.strategy, "Schur complement") << shuffled;
+        EXPECT_LE((s.u - solve(*KluActiveSet().prepare(o.K, o.B), o).u).lpNorm<Eigen::Infinity>(), 1e-13);
+    }
 }
 
 TEST(AutomaticContact, DoesWhatItsOptionsSay) {
