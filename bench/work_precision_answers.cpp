@@ -142,7 +142,7 @@ Json bouncing_runs(Index elements, double periods) {
     std::vector<PrecisionMethod> fixed;
     for (const PrecisionMethod& method : precision_methods())
         if (!method.adaptive) fixed.push_back(method);
-    const std::vector<long> steps_a_period{300, 600, 1200};
+    const std::vector<long> steps_a_period{300, 1200};
     Progress progress("bouncing-bar: " + digits(periods) + " periods",
                       2 * static_cast<double>(fixed.size() * steps_a_period.size()));
     const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
@@ -168,7 +168,8 @@ Json bouncing_runs(Index elements, double periods) {
 
 void bouncing_answers(Json& answers, bool small) {
     const double periods = small ? 10 : 100;
-    const Index elements = small ? 50 : 100;
+    // A node without mass that starts in equilibrium takes one element's share of 1/8 with it.
+    const Index elements = small ? 50 : 200;
     const Json runs = bouncing_runs(elements, periods);
     const std::string bar = "GetFEM's bar, " + std::to_string(elements) + " elements: ";
     const auto best_of = [&](const std::string& question, const char* field, double target) {
@@ -199,8 +200,8 @@ void plates_answer(Json& answers, bool small) {
     PrecisionScene scene = precision_scene("two-plates", small);
     scene.problem = study.family->at({});
     scene.t_end = small ? 0.1 : study.t_end;
-    scene.outputs = small ? 50 : 200;
     const double steps = std::round(scene.t_end / study.dt);
+    scene.outputs = std::lround(steps);  // eq. 17 sums over every step
     const PrecisionMethod trapezoid{"trapezoid", false, true}, bdf2{"bdf2", false, false};
     const Recorded fine = record(trapezoid, 16 * steps, scene, Ledgers::none);
     const auto squared_percent = [&](const PrecisionMethod& method) {
