@@ -62,7 +62,7 @@ private:
     ContactReport impact(double a) {
         const double h = grid_.dt;
         const Index n = now_.n;
-        problem_.B.multiply_transposed(next_.lambda, impulse_);
+        velocity_.press(next_.lambda, impulse_);
         momentum_ = impulse_;
         velocity_.solve_mass(1 / a, momentum_);
         free_ = next_.v() - momentum_ / a;  // w

@@ -33,6 +33,14 @@ VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWor
     check_restitution("VelocityProjection", restitution);
     if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
     if (const Vector* m = problem.M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
+    if (const DenseMatrix* B = problem.B.dense()) rows_ = B->transpose();
+}
+
+void VelocityProjection::press(const ConstVectorRef& lambda, VectorRef out) const {
+    if (rows_.size() == 0) return problem_.B.multiply_transposed(lambda, out);
+    out.setZero();
+    for (Index i = 0; i < lambda.size(); ++i)
+        if (lambda[i] != 0) out += lambda[i] * rows_.col(i);
 }
 
 void VelocityProjection::solve_mass(double damping, VectorRef x) {
@@ -54,10 +62,16 @@ void VelocityProjection::solve_mass(double damping, VectorRef x) {
         throw NumericalError("VelocityProjection: the solve with M ended " + std::string(to_string(report.outcome)));
 }
 
+/// B v where closed_ is finite, anything elsewhere: a dense B has few rows to be read then.
+void VelocityProjection::closed_rates(const ConstVectorRef& v, Vector& out) const {
+    if (rows_.size() == 0) return problem_.B.multiply(v, out);
+    for (Index i = 0; i < out.size(); ++i) out[i] = closed_[i] > -infinity ? rows_.col(i).dot(v) : 0;
+}
+
 ContactReport VelocityProjection::solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse) {
     if (!mass_) mass_ = workspace_.prepared(problem_, {1, 0, 0});
     // For the jump v - w: its size is the impact's, so that residuals mean something where the rows leave v = 0 only.
-    problem_.B.multiply(w, bound_);
+    closed_rates(w, bound_);
     bound_ = closed_ - bound_;
     work_.setZero();
     jump_ = v - w;
@@ -80,13 +94,14 @@ ContactReport VelocityProjection::project(const State& before, const ConstVector
         rate_ = (closed_ - rate_) / h;
     }
     if (restitution_ > 0) {
-        problem_.B.multiply(before.v(), closed_);
+        closed_ = (next.lambda.array() > 0).select(rate_, off_);
+        closed_rates(before.v(), bound_);
         // A row that already opens before the impact is not pulled back by it.
-        closed_ = rate_ - restitution_ * (closed_ - rate_).cwiseMin(0.0);
+        bound_ = rate_ - restitution_ * (bound_ - rate_).cwiseMin(0.0);
+        closed_ = (next.lambda.array() > 0).select(bound_, off_);
     } else {
-        closed_ = rate_;
+        closed_ = (next.lambda.array() > 0).select(rate_, off_);
     }
-    closed_ = (next.lambda.array() > 0).select(closed_, off_);
     impulse_ = (next.lambda.array() > 0).select(impulse_, 0.0);
     free_ = momentum;
     solve_mass(0, free_);

@@ -22,6 +22,8 @@ public:
     VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
                        bool energy_theorem);
 
+    /// out = B'lambda, by the rows that press.
+    void press(const ConstVectorRef& lambda, VectorRef out) const;
     /// x := (M + damping D)^-1 x: by the lumped diagonal or one factor.
     void solve_mass(double damping, VectorRef x);
     /// From `momentum` = M w, and `next` with u and the position multipliers (> 0: a closed row), its v and, in
@@ -29,6 +31,7 @@ public:
     ContactReport project(const State& before, const ConstVectorRef& momentum, double h, State& next);
 
 private:
+    void closed_rates(const ConstVectorRef& v, Vector& out) const;
     ContactReport solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse);
     ContactReport keep_energy(const State& before, State& next);
     double excess_energy(const State& before, const State& next);
@@ -38,6 +41,7 @@ private:
     double restitution_;
     bool safeguard_;
     Vector inverse_mass_;  // of a diagonal M
+    DenseMatrix rows_;     // column i: row i of a dense B
     std::shared_ptr<PreparedContact> mass_, damped_mass_;
     double damping_ = 0;
     Vector closed_, rate_, off_, impulse_, none_, work_, difference_, safe_v_, safe_impulse_;

@@ -202,7 +202,7 @@ private:
     /// next_'s velocity without the impulse that the position constraint gave it, projected.
     ContactReport impact(double h) {
         force_.resize(now_.n);
-        problem_.B.multiply_transposed(next_.lambda, force_);
+        velocity_->press(next_.lambda, force_);
         velocity_->solve_mass(1 / stage_a_, force_);
         solution_ = next_.v() - force_ / stage_a_;
         problem_.M->multiply(solution_, force_);
