@@ -98,7 +98,7 @@ public:
             const double goal = std::max(gain, 8 * accuracy / share);
             report.iterations += from_above_ ? correct<true>(goal) : correct<false>(goal);
         }
-        accept_.certify(report, b, c, answer(), multipliers(c), acceptable, 0, point);
+        accept_.certify(report, b, c, answer(), multipliers(c, point.lambda), acceptable, 0, point);
         return report;
     }
 
@@ -204,6 +204,7 @@ private:
         double* const held_force = force_.data();
         float *const to_r = sweeps_.r.data(), *const to_lower = sweeps_.lower.data();
         const Part zero = {}, scale = 1 / unit_ - zero;
+        auto holding = zero > zero;
         Part largest_residual = {}, largest_force = {}, scaled_residual = {}, scaled_force = {};
         for (int s = 0, slices = rows_.slices(); s < slices; ++s) {
             const Index first = Index{s} * lanes;
@@ -222,6 +223,7 @@ private:
                     held |= (above == zero) & (residual > zero);
                     upper.half[part] = __builtin_convertvector(above * scale, Half);
                 }
+                holding |= held;
                 store(held_force + i, held ? -residual : zero);
                 const Part unit = to_double(measure + i);
                 const Part free_residual = held ? zero : residual;
@@ -234,6 +236,8 @@ private:
             places.write(s, lower.slice(), to_lower);
             if constexpr (from_above) places.write(s, upper.slice(), sweeps_.upper.data());
         }
+        holds_ = false;
+        for (int l = 0; l < part_lanes; ++l) holds_ |= holding[l] != 0;
         const auto share = [](const Part& part, const Part& whole) {
             const double numerator = largest_of(part);
             return numerator == 0 ? 0 : numerator / std::max(largest_of(whole), underflow);
@@ -276,7 +280,9 @@ private:
     }
 
     /// lambda_i = force at the unknown, over the weight, where the bound of row i is the one it lies on.
-    Eigen::Map<const Vector> multipliers(const ConstVectorRef& c) {
+    /// Where there is none the guess is the answer, if it says so: one vector less to read.
+    Eigen::Map<const Vector> multipliers(const ConstVectorRef& c, const ConstVectorRef& guess) {
+        if (!holds_ && guess.lpNorm<1>() == 0) return {guess.data(), guess.size()};
         if (identity_) return {force_.data(), n_};
         lambda_.setZero();
         if (shared_) taken_.assign(at(n_), 0);
@@ -304,6 +310,7 @@ private:
     std::vector<double> weight_;
     bool from_above_ = false;  // there are upper bounds
     bool identity_ = false;    // B
+    bool holds_ = false;       // a bound carries a force
     bool shared_ = false;      // several rows on one unknown: the force goes to one of them
     std::vector<char> taken_;
     float omega_ = 1;

@@ -31,7 +31,7 @@ public:
     StepReport advance() override {
         const long step = now_.step + 1;
         const double dt = grid_.dt;
-        next_.lambda = now_.lambda;
+        if (!open_ || !open_before_) next_.lambda = now_.lambda;  // else both are zero
         // y' = a y + b:  b = -y_n / dt,  or  (y_n-1 - 4 y_n) / (2 dt)
         if (now_.step == 0) {
             a_ = 1 / dt;
@@ -60,6 +60,8 @@ public:
         now_.t = next_.t;
         now_.step = step;
         next_is_earlier_ = step >= 2;
+        open_before_ = open_;
+        open_ = report.contact.active == 0 && report.contact.kkt.absolute.negativity == 0;
         return report;
     }
 
@@ -89,7 +91,8 @@ private:
     sundials::StageHook hook_;
     double t_ = 0;
     double a_ = 0;
-    bool next_is_earlier_ = false;  // the storage of `next_` still holds y_n-2
+    bool open_ = true, open_before_ = true;  // no multipliers at `now_`, nor at the step before it
+    bool next_is_earlier_ = false;           // the storage of `next_` still holds y_n-2
 };
 
 }  // namespace

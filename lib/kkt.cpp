@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
+#include "tact/lib/lane_ranges.hpp"
 #include "tact/lib/row_runs.hpp"
 
 namespace tact {
@@ -24,95 +26,7 @@ double ratio(double numerator, double denominator) {
     return numerator / std::max(denominator, underflow);
 }
 
-constexpr Index lanes = 8;
-typedef double Lanes __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT: `using` takes no attribute
-
-Lanes load(const double* x) {
-    Lanes v;
-    std::memcpy(&v, x, sizeof v);
-    return v;
-}
-/// `count` numbers, zeros after them.
-Lanes load(const double* x, Index count) {
-    Lanes v = {};
-    std::memcpy(&v, x, sizeof(double) * static_cast<std::size_t>(count));
-    return v;
-}
-
-/// The range of some numbers and zero; a NaN among them makes it infinite.
-class Range {
-public:
-    void take(const double* x, Index count) {
-        Index i = 0;
-        for (; i + 2 * lanes <= count; i += 2 * lanes) {
-            raise(0, load(x + i));
-            raise(1, load(x + i + lanes));
-        }
-        for (; i < count; i += lanes) raise(0, load(x + i, std::min(lanes, count - i)));
-    }
-    double highest() const { return fold(highest_[0] > highest_[1] ? highest_[0] : highest_[1]); }
-    double lowest() const { return -fold(lowest_[0] < lowest_[1] ? -lowest_[0] : -lowest_[1]); }
-    double largest() const { return std::max(highest(), -lowest()); }
-
-private:
-    void raise(int way, const Lanes& v) {
-        highest_[way] = v > highest_[way] ? v : highest_[way];
-        lowest_[way] = v < lowest_[way] ? v : lowest_[way];
-        sum_[way] += v;  // keeps every NaN; a comparison drops it
-    }
-    double fold(const Lanes& best) const {
-        const Lanes sums = sum_[0] + sum_[1];
-        double largest = 0, sum = 0;
-        for (Index l = 0; l < lanes; ++l) {
-            largest = std::max(largest, best[l]);
-            sum += sums[l];
-        }
-        return std::isnan(sum) ? infinity : largest;
-    }
-    // Two ways, because each comparison waits for the one before.
-    Lanes highest_[2] = {}, lowest_[2] = {}, sum_[2] = {};
-};
-
-typedef long Bits __attribute__((vector_size(sizeof(double) * lanes)));  // NOLINT
-
-Lanes size_of(const Lanes& v) {
-    return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(v) & std::numeric_limits<long>::max());
-}
-
-/// One of the lanes after `pair` has made one of two, three times.
-template <class Pair> double fold(Lanes v, const Pair& pair) {
-    v = pair(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
-    v = pair(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
-    v = pair(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6));
-    return v[0];
-}
-
-double total(const Lanes& v) {
-    return fold(v, [](const Lanes& a, const Lanes& b) -> Lanes { return a + b; });
-}
-
-/// The largest size of some numbers; a NaN among them makes it infinite.
-class Largest {
-public:
-    /// `way` is 0 or 1: two ways, because each comparison waits for the one before.
-    void take(const Lanes& v, int way = 0) {
-        const Lanes size = size_of(v);
-        largest_[way] = size > largest_[way] ? size : largest_[way];
-        sum_[way] += size;
-    }
-    void take(const double* x, Index count) {
-        Index i = 0;
-        for (; i + lanes <= count; i += lanes) take(load(x + i));
-        if (i < count) take(load(x + i, count - i));
-    }
-    double value() const {
-        const auto larger = [](const Lanes& a, const Lanes& b) -> Lanes { return a > b ? a : b; };
-        return std::isnan(total(sum_[0] + sum_[1])) ? infinity : fold(larger(largest_[0], largest_[1]), larger);
-    }
-
-private:
-    Lanes largest_[2] = {}, sum_[2] = {};
-};
+using namespace lane_ranges;
 
 /// The rows of A in blocks, for A x and |A||x| taken together.
 class Rows {
@@ -266,8 +180,12 @@ bool KktResiduals::within(double tolerance, double gap_size) const {
 }
 
 struct KktCertificate::Work {
-    Work(const Matrix& A_, const Matrix& B_) : A(A_), B(B_), B_transposed(Rows::transposed(B_)) {}
+    Work(const Matrix& A_, const Matrix& B_) : A(A_), B(B_), B_transposed(Rows::transposed(B_)) {
+        const Vector* d = B_.diagonal_entries();
+        if (d && d->size() > 0 && (d->array() == (*d)[0]).all()) bounds = (*d)[0];
+    }
     Rows A, B, B_transposed;
+    std::optional<double> bounds;  ///< B is so many times the identity
     std::vector<Touch> touches;
     std::vector<Force> forces;
 };
@@ -330,6 +248,20 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
     set_stationarity(kkt, residual, force_scale);
 }
 
+/// The openings of bounds on unknowns, and their scale without bounds that mean "none", in one pass.
+void take_bounds(Index count, double factor, const double* u, const double* bound, double* opening, Range& gap,
+                 Range& gap_scale) {
+    for (Index i = 0; i < count; i += lanes) {
+        const Index some = std::min(lanes, count - i);
+        const Lanes x = some == lanes ? load(u + i) : load(u + i, some);
+        const Lanes c = some == lanes ? load(bound + i) : load(bound + i, some);
+        const Lanes term = factor * x, open = term - c;
+        std::memcpy(opening + i, &open, sizeof open);  // a block's buffer holds whole lanes
+        gap.take(open);
+        gap_scale.take(c <= -pseudo_infinite ? Lanes{} : size_of(term) + size_of(c));
+    }
+}
+
 void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, const Range& multiplier,
                const std::vector<Touch>& touches) {
     const double gaps = gap_scale.highest(), multipliers = multiplier.largest();
@@ -355,27 +287,32 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
                                         const ConstVectorRef& lambda) const {
     Work& w = *work_;
     KktResiduals kkt;
+    Range gap, gap_scale, multiplier;
+    multiplier.take(lambda.data(), lambda.size());
+    const bool touching = multiplier.largest() != 0;
     take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
-        w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
+        if (touching) w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
     });
     alignas(64) Buffer sum, size;
-    Range gap, gap_scale, multiplier;
     w.touches.clear();
     for_each_block(w.B.size(), [&](Index block, Index first, Index count) {
         const double* bound = c.data() + first;
         const double* force = lambda.data() + first;
-        for (Index i = 0; i < count; ++i) {
-            sum[i] = -bound[i];  // +infinity where a row is off
-            size[i] = std::abs(bound[i]);
+        if (w.bounds) {
+            take_bounds(count, *w.bounds, u.data() + first, bound, sum, gap, gap_scale);
+        } else {
+            for (Index i = 0; i < count; ++i) {
+                sum[i] = -bound[i];  // +infinity where a row is off
+                size[i] = std::abs(bound[i]);
+            }
+            w.B.add(block, count, 1, u.data(), sum, size);
+            for (Index i = 0; i < count; ++i) size[i] = bound[i] <= -pseudo_infinite ? 0.0 : size[i];
+            gap.take(sum, count);
+            gap_scale.take(size, count);
         }
-        w.B.add(block, count, 1, u.data(), sum, size);
-        for (Index i = 0; i < count; ++i) size[i] = bound[i] <= -pseudo_infinite ? 0.0 : size[i];
-        gap.take(sum, count);
-        gap_scale.take(size, count);
         Range here;
-        here.take(force, count);
+        if (touching) here.take(force, count);
         if (here.largest() == 0) return;
-        multiplier.take(force, count);
         for (Index i = 0; i < count; ++i)
             if (force[i] != 0) w.touches.push_back({sum[i], force[i]});
     });

@@ -26,7 +26,7 @@ void add_product(const Matrix& M, double sign, const ConstVectorRef& x, Vector& 
 Acceptance::Acceptance(const Matrix& A, const Matrix& B) : certificate_(A, B), A_(A), weight_(B.rows()) {
     stiffness_ = A.main_diagonal().unaryExpr([](double a) { return a > 0 ? std::sqrt(a) : 1.0; });
     uneven_ = stiffness_.maxCoeff() > 10 * stiffness_.minCoeff();
-    Bt_ = B.to_sparse().transpose();
+    Bt_ = B.diagonal_entries() ? B.to_sparse() : SparseMatrix(B.to_sparse().transpose());
     for (Index i = 0; i < weight_.size(); ++i) {
         weight_[i] = 0;
         for (SparseMatrix::InnerIterator it(Bt_, i); it; ++it)
@@ -37,8 +37,10 @@ Acceptance::Acceptance(const Matrix& A, const Matrix& B) : certificate_(A, B), A
 void Acceptance::certify(ContactReport& report, const ConstVectorRef& b, const ConstVectorRef& c,
                          const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance, double reach,
                          ContactPoint point) const {
+    // Before the certificate, which begins with lambda too: at full size vectors come from memory.
+    const bool touching = !(lambda.lpNorm<1>() == 0);
+    report.active = touching ? (lambda.array() > 0).count() : 0;
     report.kkt = certificate_(b, c, u, lambda);
-    report.active = (lambda.array() > 0).count();
     if (!(report.kkt.stationarity <= tolerance && report.kkt.negativity <= tolerance &&
           (!uneven_ || balances(b, u, lambda, 10 * tolerance)) &&
           rows_are_met(report.kkt, b, c, u, lambda, tolerance, reach))) {
@@ -46,7 +48,7 @@ void Acceptance::certify(ContactReport& report, const ConstVectorRef& b, const C
         return;
     }
     point.u = u;
-    point.lambda = lambda;
+    if (lambda.data() != point.lambda.data()) point.lambda = lambda;
 }
 
 bool Acceptance::balances(const ConstVectorRef& b, const ConstVectorRef& u, const ConstVectorRef& lambda,
