@@ -2,6 +2,7 @@
 
 #include <ida/ida.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -227,10 +228,20 @@ private:
         const NonlinearData data = nonlinear_data(ida_.get());
         stage_t_ = fixed_ ? grid_.t(now_.step + 1) : before_stop(data.t, stop_);
         clock_t_ = data.t - grid_.t0;
-        const auto predicted = map(data.y_predicted).head(size());
-        history_ = map(data.yp_predicted).head(size()) - data.cj * predicted;
-        next_.u() = predicted.head(now_.n);
-        predicted_ = data.y_predicted;
+        predicted_ = noted(data.y_predicted);
+        const Sum slope = noted(data.yp_predicted);
+        for_each_block(size(), [&](Index first, Index count) {
+            auto predicted = block_.head(count);
+            auto history = history_.segment(first, count);
+            predicted_.evaluate(first, predicted);
+            slope.evaluate(first, history);
+            history -= data.cj * predicted;
+            const Index guessed = std::clamp<Index>(now_.n - first, 0, count);
+            next_.y.segment(first, guessed) = predicted.head(guessed);
+        });
+        // At full size predictions come from memory: from the second stage on they are formed where they are used.
+        note_sums(data.y_predicted);
+        note_sums(data.yp_predicted);
         stage_a_ = data.cj;
         return {stage_t_, data.cj, history_.head(now_.n), history_.tail(size() - now_.n)};
     }
@@ -238,9 +249,13 @@ private:
         // IDA clears it before a solve and scales it after a step: nobody reads either.
         if (std::exchange(correction_, correction) != correction) drop_results(correction);
         auto change = map(correction);
-        const auto predicted = map(predicted_);
-        change.head(size()) = next_.y - predicted.head(size());
-        if (fixed_) change[size()] = clock_t_ * clock_t_ - predicted[size()];
+        for_each_block(change.size(), [&](Index first, Index count) {
+            auto predicted = block_.head(count);
+            predicted_.evaluate(first, predicted);
+            const Index ours = std::min(count, size() - first);
+            change.segment(first, ours) = next_.y.segment(first, ours) - predicted.head(ours);
+            if (ours < count) change[size()] = clock_t_ * clock_t_ - predicted[ours];
+        });
     }
 
     /// F = (u' - v, M v' + D v + K u + r(u) - f): of Newton's iteration only.
@@ -357,6 +372,7 @@ private:
     State now_, next_;
     double before_t_;
     Vector history_, y_, yp_, id_, force_, solution_, none_;
+    Vector block_ = Vector(block_size);
     mutable Vector scratch_;
     Entries tested_;  // of y, in the error test
     VectorView y_view_, yp_view_;
@@ -371,7 +387,8 @@ private:
     bool ahead_ = false;                          // IDA is not where the state is: an impact was not resolved
     double stage_t_ = 0, stage_a_ = 0, clock_t_ = 0;
     double stop_ = infinity;  // of the step under way
-    N_Vector predicted_ = nullptr, correction_ = nullptr;
+    Sum predicted_;
+    N_Vector correction_ = nullptr;
     std::exception_ptr caught_;
     KktResiduals linear_kkt_;  // the worst of the step's linear solves
     RunCounters counters_, past_;

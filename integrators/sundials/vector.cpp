@@ -11,9 +11,11 @@ namespace {
 /// A serial vector's content, and what else its clones take over.
 struct Content : _N_VectorContent_Serial {
     Entries tested;
+    Sum noted;
 };
 
-const Entries& tested(N_Vector v) { return static_cast<Content*>(v->content)->tested; }
+Content& content_of(N_Vector v) { return *static_cast<Content*>(v->content); }
+const Entries& tested(N_Vector v) { return content_of(v).tested; }
 
 /// A vector without operations over `data`, or over entries of its own.
 N_Vector made(SUNContext context, Index size, double* data, Entries tested) {
@@ -52,12 +54,6 @@ void destroy(N_Vector v) {
     delete content;
     v->content = nullptr;
     N_VFreeEmpty(v);
-}
-
-/// Blocks small enough that what several operations share stays in the first cache.
-template <class Each> void for_each_block(Index size, const Each& each) {
-    constexpr Index block = 512;
-    for (Index first = 0; first < size; first += block) each(first, std::min(block, size - first));
 }
 
 void linear_sum(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector z) { map(z) = a * map(x) + b * map(y); }
@@ -130,6 +126,28 @@ VectorView::VectorView(const Context& context, Vector& storage, Entries tested) 
     static_cast<Content*>(vector_->content)->tested = tested;
     vector_->ops->nvlinearcombination = linear_combination;
     vector_->ops->nvlinearsumvectorarray = linear_sums;
+}
+
+void Sum::evaluate(Index first, VectorRef out) const {
+    const auto part = [&](std::size_t k) { return factor[k] * map(term[k]).segment(first, out.size()); };
+    out = part(0);
+    for (std::size_t k = 1; k < static_cast<std::size_t>(terms); ++k) out += part(k);
+}
+
+Sum noted(N_Vector vector) {
+    const Sum& sum = content_of(vector).noted;
+    return sum.terms > 0 ? sum : Sum{1, {1}, {vector}};
+}
+
+void note_sums(N_Vector vector) {
+    vector->ops->nvlinearcombination = [](int count, realtype* c, N_Vector* X, N_Vector z) {
+        if (count < 1 || count > Sum::most) return -1;
+        Sum& sum = content_of(z).noted;
+        sum.terms = count;
+        std::copy_n(c, count, sum.factor.begin());
+        std::copy_n(X, count, sum.term.begin());
+        return 0;
+    };
 }
 
 void drop_results(N_Vector vector) {

@@ -3,6 +3,8 @@
 
 #include <nvector/nvector_serial.h>
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "tact/integrators/sundials/context.hpp"
@@ -38,6 +40,28 @@ public:
 private:
     N_Vector vector_;
 };
+
+/// sum_k factor_k term_k.
+struct Sum {
+    static constexpr int most = 6;  ///< terms of a predictor of order 5
+    int terms = 0;
+    std::array<double, most> factor{};
+    std::array<N_Vector, most> term{};
+
+    /// Its entries from `first` on.
+    void evaluate(Index first, VectorRef out) const;
+};
+/// What a vector stands for: itself, or after `note_sums` the last sum that SUNDIALS meant to write into it.
+Sum noted(N_Vector vector);
+/// From now on linear combinations into this vector are noted instead of formed, for those who need them in passing.
+void note_sums(N_Vector vector);
+
+/// Entries that stay in the first cache between uses.
+inline constexpr Index block_size = 512;
+/// Calls each(first, count) for one block after the other.
+template <class Each> void for_each_block(Index size, const Each& each) {
+    for (Index first = 0; first < size; first += block_size) each(first, std::min(block_size, size - first));
+}
 
 /// From now on sums, multiples and constants that SUNDIALS writes into this vector are dropped: for results that nobody
 /// reads. What is written through `map` stays.
