@@ -18,7 +18,7 @@ struct CaseOptions {
     std::vector<double> gamma = {};             ///< as many as the scene has parameters
     std::optional<double> dt = {}, t_end = {};  ///< absent: the usual; static scenes take neither
     std::string integrator = {};                ///< empty: bdf2; without M and D the equilibria themselves
-    std::vector<double> at = {};  ///< times on the grid, empty: the end; of a slow load too
+    std::vector<double> at = {};                ///< times on the grid, empty: the end; of a slow load too
     std::vector<std::array<double, 2>> points =
         {};  ///< (x, y) in the unit square, empty: its centre; (x, NaN) on the line
     std::shared_ptr<const ContactSolver> contact = {};  ///< null: AutomaticContact
