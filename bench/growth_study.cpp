@@ -109,7 +109,7 @@ private:
 };
 
 void add_reduced(Json& rows, bool small) {
-    const ReducedPlates plates(small ? 20 : 60);
+    const ReducedPlates plates(small ? 20 : 100);
     const long steps = plates.steps();
     const auto per_step = [&](Index p, Index p_lambda) {
         throw_if_interrupted();
@@ -128,7 +128,7 @@ void add_reduced(Json& rows, bool small) {
 }
 
 void add_queries(Json& rows, bool small) {
-    const PaperStudy study = paper_study("static-obstacle", true);
+    const PaperStudy study = paper_study("static-obstacle", small);
     const TrainingResult trained = train_with_progress(study, {}, paper_training(study));
     const ContactFamily& family = *study.scene.family;
     const auto model = std::make_shared<ReducedModel>(build_reduced_model(family, trained.basis, {}));
