@@ -159,6 +159,22 @@ Json history_of(const Trained& made, const Drawn& drawn, const States& full, con
     return json;
 }
 
+/// Of a row with singular vectors: a march that fails with them is as poor as can be.
+Json claim_of(const Json& row) {
+    constexpr double poor = 10, good = 2;  // times NNMF's error; %
+    const Json& singular = row["singular_vectors_error_percent"];
+    const double error = row["relative_error_percent"];
+    const Json times = singular.is_number() ? Json(singular.get<double>() / error) : Json();
+    return {
+        {"scene", row["scene"]},
+        {"claim", "figures " + row["figures"].get<std::string>() +
+                      ": a dual basis by NNMF tracks the full run, one by singular vectors is poor: its error over "
+                      "that of NNMF"},
+        {"paper", "poor"},
+        {"figure", times.is_number() ? times : Json("fails")},
+        {"holds", error < good && (times.is_null() || times.get<double>() > poor)}};
+}
+
 void draw(const Trained& made, const Drawn& drawn, Json& json) {
     const PaperStudy& study = made.study;
     Progress progress(study.scene.name + ": figures " + drawn.figures, 3);
@@ -186,6 +202,7 @@ void draw(const Trained& made, const Drawn& drawn, Json& json) {
             row["singular_vectors_outcome"] = error.what();  // of a basis that is shown because it is bad
         }
     }
+    if (made.by_singular_vectors) json["claims"].push_back(claim_of(row));
     json["rows"].push_back(std::move(row));
     if (drawn.slice) json["slices"].push_back(slice_of(made, drawn, full.at(0), reduced.at(0)));
     if (!drawn.history.empty())
@@ -205,7 +222,7 @@ Json run_histories(const StudyOptions& options) {
     json["study"] = "histories";
     json["size"] = options.small ? "small" : "full";
     json["machine"] = machine();
-    for (const char* part : {"rows", "slices", "histories", "surfaces"}) json[part] = Json::array();
+    for (const char* part : {"rows", "claims", "slices", "histories", "surfaces"}) json[part] = Json::array();
     const auto gamma = [](double g1, double g2) { return Parameter(Eigen::Vector2d(g1, g2)); };
     const std::vector<Place> points{{0.5, 0.5}, {0.25, 0.25}, {0.7, 0.5}}, centres{{0.5, 0.5, 0}, {0.5, 0.5, 1}};
     if (options.wants("static-obstacle")) {

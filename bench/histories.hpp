@@ -7,10 +7,11 @@
 
 namespace tact::bench {
 
-/// {"study", "size", "machine", "rows", "slices", "histories", "surfaces"}. A row is one run that figures are drawn of: its
+/// {"study", "size", "machine", "rows", "claims", "slices", "histories", "surfaces"}. A row is one run that figures are drawn of: its
 /// scene and gamma, p and p_lambda, the error (eqs. 16 and 17 as printed, and its root) of the reduced run and of the one whose
 /// dual basis are singular vectors, where there is one (null, with "singular_vectors_outcome", where that did not
-/// converge), and the paper's claim. The other three hold what is drawn: numbers to six decimals, the plates'
+/// converge), and the paper's claim. `claims`: what the paper says of singular
+/// vectors, with our figure. The other three hold what is drawn: numbers to six decimals, the plates'
 /// displacements each from its own rest. NumericalError that names the step if another contact solve does not converge;
 /// Interrupted.
 Json run_histories(const StudyOptions& options);

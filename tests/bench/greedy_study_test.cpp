@@ -27,6 +27,9 @@ TEST(GreedyStudy, HasARowForEveryBasisAndTheClaimsBesideThem) {
     EXPECT_EQ(rows["true error"], 5);
     EXPECT_EQ(rows["Latin hypercube"], 20);
     EXPECT_EQ(json["claims"].size(), 4u);
+    for (const Json& claim : json["claims"])
+        for (const char* field : {"scene", "claim", "paper", "figure", "holds"})
+            EXPECT_TRUE(claim.contains(field)) << claim;
     EXPECT_NE(greedy_table(json).find("true error"), std::string::npos);
     EXPECT_NE(greedy_markdown(json).find("## Claims"), std::string::npos);
     EXPECT_THROW(run_greedy({.small = true, .scenes = {"two-plates"}}), InputError);

@@ -43,6 +43,12 @@ TEST(Histories, OfThePlatesAndTheStaticMembraneAreCloseButForSingularVectors) {
     const Json& row = json["rows"][2];
     EXPECT_LT(row["relative_error_percent"], 10);
     EXPECT_GT(row["singular_vectors_error_percent"], 10 * row["relative_error_percent"].get<double>());
+    ASSERT_EQ(json["claims"].size(), 1u) << "the static paper figures have no singular vectors";
+    const Json& claim = json["claims"][0];
+    EXPECT_NEAR(claim["figure"],
+                row["singular_vectors_error_percent"].get<double>() / row["relative_error_percent"].get<double>(),
+                1e-9);
+    EXPECT_EQ(claim["holds"], row["relative_error_percent"] < 2);
     EXPECT_NE(histories_table(json).find("11, 12"), std::string::npos);
     EXPECT_NE(histories_markdown(json).find("histories.svg"), std::string::npos);
 }
