@@ -251,15 +251,20 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
 /// The openings of bounds on unknowns, and their scale without bounds that mean "none", in one pass.
 void take_bounds(Index count, double factor, const double* u, const double* bound, double* opening, Range& gap,
                  Range& gap_scale) {
-    for (Index i = 0; i < count; i += lanes) {
-        const Index some = std::min(lanes, count - i);
+    const auto take = [&](Index i, Index some, int way) {
         const Lanes x = some == lanes ? load(u + i) : load(u + i, some);
         const Lanes c = some == lanes ? load(bound + i) : load(bound + i, some);
         const Lanes term = factor * x, open = term - c;
         std::memcpy(opening + i, &open, sizeof open);  // a block's buffer holds whole lanes
-        gap.take(open);
-        gap_scale.take(c <= -pseudo_infinite ? Lanes{} : size_of(term) + size_of(c));
+        gap.take(open, way);
+        gap_scale.take(c <= -pseudo_infinite ? Lanes{} : size_of(term) + size_of(c), way);
+    };
+    Index i = 0;
+    for (; i + 2 * lanes <= count; i += 2 * lanes) {
+        take(i, lanes, 0);
+        take(i + lanes, lanes, 1);
     }
+    for (; i < count; i += lanes) take(i, std::min(lanes, count - i), 0);
 }
 
 void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, const Range& multiplier,

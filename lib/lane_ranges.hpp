@@ -36,7 +36,8 @@ public:
         }
         for (; i < count; i += lanes) raise(0, load(x + i, std::min(lanes, count - i)));
     }
-    void take(const Lanes& v) { raise(0, v); }
+    /// `way` is 0 or 1.
+    void take(const Lanes& v, int way) { raise(way, v); }
     double highest() const { return fold(highest_[0] > highest_[1] ? highest_[0] : highest_[1]); }
     double lowest() const { return -fold(lowest_[0] < lowest_[1] ? -lowest_[0] : -lowest_[1]); }
     double largest() const { return std::max(highest(), -lowest()); }
