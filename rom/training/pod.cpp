@@ -5,7 +5,11 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
 #include <string>
+#include <utility>
 
 #include "tact/lib/errors.hpp"
 #include "tact/rom/orthonormal.hpp"
@@ -63,14 +67,65 @@ Pod in_diagonal_product(const DenseMatrix& X, const Vector& w, PodOptions option
 }
 
 Pod in_general_product(const DenseMatrix& X, const Matrix& W, const PodOptions& options) {
-    if (!W.is_symmetric())
-        throw InputError("pod: inner_product is " + W.shape() + " and not symmetric, expected it to be");
     const GramEigen eigen = gram_eigen(X.transpose() * W.times(X));
     const Index r = resolved(eigen.singular_values, options, pod_snapshots_resolution);
     DenseMatrix modes = X * (eigen.vectors.leftCols(r) * eigen.singular_values.head(r).cwiseInverse().asDiagonal());
-    modes = orthonormal_in(W, std::move(modes));
-    fix_signs(modes);
-    return {std::move(modes), eigen.singular_values.head(r)};
+    return {orthonormal_in(W, std::move(modes)), eigen.singular_values.head(r)};
+}
+
+Pod by_all_of(const DenseMatrix& X, const PodOptions& options) {
+    if (options.inner_product) return in_general_product(X, *options.inner_product, options);
+    return std::min(X.rows(), X.cols()) <= pod_svd_size ? by_svd(X, options) : by_snapshots(X, options);
+}
+
+/// Independent, normally distributed: Box and Muller's, because std::normal_distribution differs between libraries.
+DenseMatrix gaussian(Index rows, Index cols, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
+    return DenseMatrix::NullaryExpr(rows, cols, [&] {
+        const double radius = std::sqrt(-2 * std::log(uniform()));
+        return radius * std::cos(2 * std::numbers::pi * uniform());
+    });
+}
+
+/// Q, orthonormal in the inner product, whose span nearly holds the leading modes, and its coefficients Q'W X.
+struct Range {
+    DenseMatrix Q, coefficients;
+};
+
+Range sketched_range(const DenseMatrix& X, Index width, const PodOptions& options) {
+    const std::optional<Matrix>& W = options.inner_product;
+    const auto range = [&](const DenseMatrix& Y) {
+        DenseMatrix Q = orthonormal_columns(X * Y);
+        return W ? orthonormal_in(*W, std::move(Q)) : Q;
+    };
+    const auto coefficients = [&](const DenseMatrix& Q) -> DenseMatrix {
+        return (W ? W->times(Q) : Q).transpose() * X;
+    };
+    DenseMatrix Q = range(gaussian(X.cols(), width, options.sketch->seed));
+    for (int k = 0; k < options.sketch->power_iterations; ++k)
+        Q = range(orthonormal_columns(coefficients(Q).transpose()));
+    DenseMatrix C = coefficients(Q);
+    return {std::move(Q), std::move(C)};
+}
+
+Pod by_sketch(const DenseMatrix& X, const PodOptions& options) {
+    constexpr Index first_guess = 32;  // modes, where the tolerance decides
+    const Index spare = options.sketch->oversampling;
+    Index width = (options.rank > 0 ? options.rank : first_guess) + spare;
+    for (; width < std::min(X.rows(), X.cols()); width *= 2) {
+        const Range range = sketched_range(X, width, options);
+        const Index found = range.Q.cols();
+        if (found == 0) return {range.Q, Vector(0)};
+        const Eigen::HouseholderQR<DenseMatrix> qr(range.coefficients.transpose());
+        const DenseMatrix R = qr.matrixQR().topRows(found).triangularView<Eigen::Upper>();
+        const Eigen::BDCSVD<DenseMatrix> svd(R.transpose(), Eigen::ComputeThinU);
+        const Vector& sigma = svd.singularValues();
+        const Index r = resolved(sigma, options, dependent_column);
+        // Else smaller ones above the tolerance may be beyond the sketch; a narrower range is that of all of X.
+        if (r + spare <= width || found < width) return {range.Q * svd.matrixU().leftCols(r), sigma.head(r)};
+    }
+    return by_all_of(X, options);
 }
 
 }  // namespace
@@ -89,6 +144,10 @@ Pod pod(const DenseMatrix& X, const PodOptions& options) {
     if (options.rank < 0 || options.rank > X.cols())
         throw InputError("pod: rank is " + std::to_string(options.rank) +
                          ", expected at most the number of snapshots, " + std::to_string(X.cols()));
+    if (options.sketch && (options.sketch->oversampling < 0 || options.sketch->power_iterations < 0))
+        throw InputError("pod: sketch has oversampling " + std::to_string(options.sketch->oversampling) + " and " +
+                         std::to_string(options.sketch->power_iterations) +
+                         " power_iterations, expected at least 0 of each");
     if (!X.allFinite()) throw InputError("pod: X has a NaN or infinite entry, expected finite entries");
     if (options.inner_product) {
         const Matrix& W = *options.inner_product;
@@ -96,10 +155,11 @@ Pod pod(const DenseMatrix& X, const PodOptions& options) {
             throw InputError("pod: inner_product is " + W.shape() + ", expected " + std::to_string(X.rows()) + "x" +
                              std::to_string(X.rows()));
         if (const Vector* w = W.diagonal_entries()) return in_diagonal_product(X, *w, options);
-        return in_general_product(X, W, options);
+        if (!W.is_symmetric())
+            throw InputError("pod: inner_product is " + W.shape() + " and not symmetric, expected it to be");
     }
     if (X.size() == 0) return {DenseMatrix(X.rows(), 0), Vector(0)};
-    Pod result = std::min(X.rows(), X.cols()) <= pod_svd_size ? by_svd(X, options) : by_snapshots(X, options);
+    Pod result = options.sketch ? by_sketch(X, options) : by_all_of(X, options);
     fix_signs(result.modes);
     return result;
 }

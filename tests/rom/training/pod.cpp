@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
@@ -88,6 +89,112 @@ TEST(Pod, IsOrthonormalInTheInnerProductGivenAndOptimalThere) {
         EXPECT_LT((result.singular_values - svd.singularValues().head(6)).norm(), 1e-12);
         EXPECT_NEAR(projection_error(root * X, root * result.modes), svd.singularValues().tail(19).norm(), 1e-10);
     }
+}
+
+/// Of the angles between two spans of orthonormal columns the sine of the largest.
+double largest_sine(const DenseMatrix& A, const DenseMatrix& B) {
+    return Eigen::JacobiSVD<DenseMatrix>(A - B * (B.transpose() * A)).singularValues()[0];
+}
+
+PodOptions sketched(Index rank, double tolerance = 0, RandomisedSketch sketch = {}) {
+    PodOptions options;
+    options.rank = rank;
+    options.tolerance = tolerance;
+    options.sketch = sketch;
+    return options;
+}
+
+TEST(RandomisedPod, HasTheModesAndValuesOfJacobiSvdInEachInnerProduct) {
+    const Index n = 150, N = 110, r = 15;
+    const DenseMatrix X = decaying(n, N, 0.7);
+    SparseMatrix K(n, n);
+    for (Index i = 0; i < n; ++i) {
+        K.insert(i, i) = 2.5 + 0.01 * static_cast<double>(i);
+        if (i > 0) K.insert(i, i - 1) = K.insert(i - 1, i) = -1;
+    }
+    for (const std::optional<Matrix>& W :
+         {std::optional<Matrix>(), std::optional(Matrix::diagonal(Vector::LinSpaced(n, 0.5, 3))),
+          std::optional(Matrix(K))}) {
+        const DenseMatrix dense = W ? W->to_dense() : identity(n);
+        const DenseMatrix root = Eigen::LLT<DenseMatrix>(dense).matrixU();  // |x|_W = |root x|
+        const Eigen::JacobiSVD<DenseMatrix> svd(root * X, Eigen::ComputeThinU);
+        PodOptions options = sketched(r);
+        options.inner_product = W;
+        const Pod result = pod(X, options);
+        ASSERT_EQ(result.modes.cols(), r);
+        EXPECT_LT(departure(root * result.modes), 1e-12);
+        EXPECT_LT(
+            ((result.singular_values - svd.singularValues().head(r)).array() / svd.singularValues().head(r).array())
+                .abs()
+                .maxCoeff(),
+            1e-10);
+        EXPECT_LT(largest_sine(root * result.modes, svd.matrixU().leftCols(r)), 1e-6);
+        EXPECT_NEAR(projection_error(root * X, root * result.modes), svd.singularValues().tail(N - r).norm(), 1e-9);
+    }
+}
+
+TEST(RandomisedPod, IsOnAverageWithinTheBoundOfHalkoMartinssonAndTropp) {
+    const Index n = 130, N = 100, r = 12;
+    DenseMatrix X = decaying(n, N, 1);  // then singular values that fall slowly, where sketches are at their worst
+    Vector sigma(N);
+    for (Index j = 0; j < N; ++j) sigma[j] = 1 / std::sqrt(static_cast<double>(j + 1));
+    const Eigen::JacobiSVD<DenseMatrix> parts(X, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    X = parts.matrixU() * sigma.asDiagonal() * parts.matrixV().transpose();
+    for (const int q : {0, 1, 2, 3}) {
+        const double k = 6, s = 2 * q + 1;
+        const double tail = std::sqrt(sigma.tail(N - r).array().pow(2 * s).sum());
+        const double bound = sigma[r] + std::pow((1 + std::sqrt(r / (k - 1))) * std::pow(sigma[r], s) +
+                                                     std::exp(1.0) * std::sqrt(r + k) / k * tail,
+                                                 1 / s);
+        double mean = 0;
+        constexpr int seeds = 20;
+        for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+            const DenseMatrix U = pod(X, sketched(r, 0, {static_cast<Index>(k), q, seed})).modes;
+            const double error = Eigen::JacobiSVD<DenseMatrix>(X - U * (U.transpose() * X)).singularValues()[0];
+            EXPECT_GE(error, sigma[r] * (1 - 1e-12));  // Eckart-Young
+            mean += error / seeds;
+        }
+        EXPECT_LE(mean, bound);
+    }
+}
+
+TEST(RandomisedPod, FindsAsManyModesAsTheToleranceAsksWhateverTheFirstWidth) {
+    const DenseMatrix X = decaying(400, 300, 0.93);
+    for (const double tolerance : {0.5, 0.05, 1e-3}) {
+        PodOptions options;
+        options.tolerance = tolerance;
+        const Pod exact = pod(X, options), found = pod(X, sketched(0, tolerance));
+        ASSERT_EQ(found.modes.cols(), exact.modes.cols());
+        EXPECT_LT((found.singular_values - exact.singular_values).norm(), 1e-5 * tolerance);
+    }
+    EXPECT_EQ(pod(X, sketched(20, 0.5)).modes.cols(), pod(X, sketched(0, 0.5)).modes.cols());
+}
+
+TEST(RandomisedPod, RepeatsItselfToTheLastBitForASeed) {
+    const DenseMatrix X = decaying(200, 150, 0.8);
+    const auto with_seed = [&](std::uint64_t seed) { return pod(X, sketched(10, 0, {10, 2, seed})); };
+    const Pod once = with_seed(7), again = with_seed(7), other = with_seed(8);
+    EXPECT_EQ(once.modes, again.modes);
+    EXPECT_EQ(once.singular_values, again.singular_values);
+    EXPECT_NE(once.modes, other.modes);
+    EXPECT_LT(largest_sine(once.modes, other.modes), 1e-4);
+}
+
+TEST(RandomisedPod, OfFewerDirectionsThanAskedGivesThose) {
+    const DenseMatrix deficient = scattered(200, 3) * scattered(3, 100, 2);
+    for (const PodOptions& options : {sketched(8), sketched(100), sketched(0), sketched(0, 1e-6)}) {
+        const Pod found = pod(deficient, options);
+        ASSERT_EQ(found.modes.cols(), 3);
+        EXPECT_LT(departure(found.modes), 1e-13);
+        EXPECT_LT(projection_error(deficient, found.modes), 1e-11 * deficient.norm());
+    }
+    const DenseMatrix column = scattered(200, 1);
+    EXPECT_LT(projection_error(column, pod(column, sketched(1)).modes), 1e-13);
+    EXPECT_EQ(pod(DenseMatrix::Zero(200, 100), sketched(8)).modes.cols(), 0);
+    EXPECT_EQ(pod(DenseMatrix(200, 0), sketched(0)).modes.cols(), 0);
+    EXPECT_THROW(pod(deficient, sketched(101)), InputError);
+    EXPECT_THROW(pod(deficient, sketched(8, 0, {-1})), InputError);
+    EXPECT_THROW(pod(deficient, sketched(8, 0, {10, -1})), InputError);
 }
 
 TEST(Pod, RefusesMoreModesThanSnapshotsAndNaN) {
