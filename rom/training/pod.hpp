@@ -14,7 +14,7 @@ struct RandomisedSketch {
     Index oversampling = 10;  ///< Gaussian vectors beside the modes wanted
     /// Each takes what the other singular values add to the error down by another (sigma_r+1/sigma_r)^2; 0: enough where
     /// they fall fast.
-    int power_iterations = 2;
+    int power_iterations = 1;
     std::uint64_t seed = 1;  ///< the same bits for the same seed
 };
 

@@ -96,7 +96,7 @@ double largest_sine(const DenseMatrix& A, const DenseMatrix& B) {
     return Eigen::JacobiSVD<DenseMatrix>(A - B * (B.transpose() * A)).singularValues()[0];
 }
 
-PodOptions sketched(Index rank, double tolerance = 0, RandomisedSketch sketch = {}) {
+PodOptions sketched(Index rank, double tolerance = 0, RandomisedSketch sketch = {10, 2}) {
     PodOptions options;
     options.rank = rank;
     options.tolerance = tolerance;
