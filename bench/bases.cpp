@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tact/bench/basis_recipes.hpp"
 #include "tact/bench/interrupt.hpp"
 #include "tact/bench/methods.hpp"
 #include "tact/bench/paper_study.hpp"
@@ -18,58 +19,6 @@ namespace tact::bench {
 namespace {
 
 constexpr Index all_rows = 1'000'000;  // more than there are: a recipe gives what it has
-
-/// One way to make both bases from the same snapshots. An absent p_lambda share asks for all a recipe can give.
-struct Recipe {
-    std::string name;
-    std::vector<DualBasis> members;        // seeds
-    std::optional<double> dual_share = 1;  // p_lambda / p
-    double supremizers = 0;
-    double compliance = 0;
-    bool every_size = false;  // else at the paper's size only
-};
-
-Recipe nnmf_recipe(std::string name, NnmfUpdates updates) {
-    NnmfOptions options;
-    options.updates = updates;
-    return {std::move(name), {nnmf_basis(options)}};
-}
-
-Recipe random_nnmf_recipe() {
-    Recipe recipe{"NNMF, random starts", {}};
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        NnmfOptions options;
-        options.random = RandomStarts{seed, 1};
-        recipe.members.push_back(nnmf_basis(options));
-    }
-    return recipe;
-}
-
-const std::vector<Recipe>& recipes() {
-    static const std::vector<Recipe> all = [] {
-        std::vector<Recipe> list;
-        list.push_back({"NNMF", {nnmf_basis()}, 1, 0, 0, true});
-        list.push_back(random_nnmf_recipe());
-        list.push_back(nnmf_recipe("NNMF, multiplicative", NnmfUpdates::multiplicative));
-        list.push_back(nnmf_recipe("NNMF, alternating least squares", NnmfUpdates::least_squares));
-        for (const double share : {0.1, 0.2, 0.3, 0.5})
-            list.push_back({"NNMF, supremizers", {nnmf_basis()}, 1 - share, share});
-        list.push_back({"cone-projected greedy", {cone_projected_greedy()}});
-        list.push_back({"snapshots", {snapshot_cone()}});
-        list.push_back({"all snapshots", {snapshot_cone()}, std::nullopt, 0, 0, true});
-        list.push_back({"selected rows", {selected_rows()}, 0.5, 0, 0, true});
-        for (const double share : {1.0, 2.0, 4.0}) list.push_back({"selected rows", {selected_rows()}, share});
-        list.push_back({"selected rows, supremizers", {selected_rows()}, 0.5, 0.15});
-        list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.1});
-        list.push_back({"selected rows, compliance", {selected_rows()}, 0.5, 0, 0.3, true});
-        list.push_back({"selected rows, compliance", {selected_rows()}, 1, 0, 0.3});
-        list.push_back({"NNMF, compliance", {nnmf_basis()}, 1, 0, 0.3, true});
-        list.push_back({"touched rows", {touched_rows()}, std::nullopt});
-        list.push_back({"singular vectors", {singular_vectors()}});
-        return list;
-    }();
-    return all;
-}
 
 /// What full runs left.
 struct Snapshots {
@@ -133,7 +82,21 @@ double online_seconds(const Setting& setting, const ReducedBasis& basis, const C
     return seconds / (loops * static_cast<double>(asked.size()) * static_cast<double>(setting.scheme.steps()));
 }
 
-Member measure(const Setting& setting, const Recipe& recipe, const DualBasis& dual, Index p, int repeats) {
+/// Static modes at the rows that contact would be selected at, `count` in all with the load's, and the fewer modes beside them.
+void hold_static_modes(const Setting& setting, const ContactProblem& problem, Index count, BasisRecipe& recipe) {
+    if (count < 2) return;
+    BasisRecipe choice;
+    choice.sizes = {recipe.sizes.p, count - 1};
+    choice.dual_basis = selected_rows();
+    const DenseMatrix chosen =
+        compressed_basis(problem, setting.snapshots.primal, setting.snapshots.dual, choice).basis.U_lambda;
+    std::vector<Index> rows(static_cast<std::size_t>(chosen.cols()));
+    for (Index j = 0; j < chosen.cols(); ++j) chosen.col(j).maxCoeff(&rows[static_cast<std::size_t>(j)]);
+    recipe.primal.held = static_modes(problem, rows, CholmodSolver());
+    recipe.sizes.p -= recipe.primal.held.cols();
+}
+
+Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const DualBasis& dual, Index p, int repeats) {
     const ContactFamily& family = *setting.study.scene.family;
     const Scheme& scheme = setting.scheme;
     BasisRecipe wanted;
@@ -148,9 +111,10 @@ Member measure(const Setting& setting, const Recipe& recipe, const DualBasis& du
     ReducedBasis basis;
     std::unique_ptr<ContactFamily> reduced;
     member.training_seconds = seconds_of([&] {
-        basis = compressed_basis(family.at(setting.samples.front()), setting.snapshots.primal, setting.snapshots.dual,
-                                 wanted)
-                    .basis;
+        const ContactProblem problem = family.at(setting.samples.front());
+        if (recipe.bodies) wanted.primal.body_of = connected_bodies(problem.K);
+        hold_static_modes(setting, problem, std::lround(recipe.static_modes * static_cast<double>(p)), wanted);
+        basis = compressed_basis(problem, setting.snapshots.primal, setting.snapshots.dual, wanted).basis;
         reduced = reduce(family, basis);
     });
     member.p = basis.primal_size();
@@ -168,7 +132,7 @@ Member measure(const Setting& setting, const Recipe& recipe, const DualBasis& du
     return member;
 }
 
-Json row_of(const Setting& setting, const Recipe& recipe, const std::vector<Index>& sizes, int repeats) {
+Json row_of(const Setting& setting, const BasisStudyRecipe& recipe, const std::vector<Index>& sizes, int repeats) {
     std::vector<Member> members;
     Outcome outcome = Outcome::converged;
     for (const Index p : sizes)
@@ -245,7 +209,8 @@ std::vector<std::vector<Index>> sizes_of(const std::string& scene, bool small) {
     return sizes;
 }
 
-bool fits(const Recipe& recipe, const PaperStudy& study, const std::string& integrator) {
+bool fits(const BasisStudyRecipe& recipe, const PaperStudy& study, const std::string& integrator) {
+    if (recipe.bodies && study.scene.name != "two-plates") return false;
     if (study.scene.is_static()) return recipe.compliance == 0;
     if (recipe.name == "all snapshots") return false;  // thousands
     // The laws of impact are compared on what the diagram of the first has left.
@@ -276,13 +241,6 @@ std::vector<TrainingSet> training_sets(const PaperStudy& study) {
 
 }  // namespace
 
-std::vector<std::string> basis_recipe_names() {
-    std::vector<std::string> names;
-    for (const Recipe& recipe : recipes())
-        if (names.empty() || names.back() != recipe.name) names.push_back(recipe.name);
-    return names;
-}
-
 Json run_bases(const BasesOptions& options) {
     if (options.repeats < 1)
         throw InputError("bases: repeats is " + std::to_string(options.repeats) + ", expected at least 1");
@@ -298,9 +256,9 @@ Json run_bases(const BasesOptions& options) {
         const std::vector<std::vector<Index>> sizes = sizes_of(name, options.small);
         const std::size_t paper_size = std::min<std::size_t>(1, sizes.size() - 1);
         const std::vector<TrainingSet> sets = training_sets(study);
-        const std::vector<std::string> integrators =
-            study.scene.is_static() ? std::vector<std::string>{"none"}
-                                    : std::vector<std::string>{"bdf2", "trapezoid", "bdf2-without-jump"};
+        std::vector<std::string> integrators{"bdf2", "trapezoid", "bdf2-without-jump"};
+        if (!options.integrators.empty()) integrators = options.integrators;
+        if (study.scene.is_static()) integrators = {"none"};
         for (const std::string& method : integrators) {
             Scheme scheme = paper_scheme(study.scene);
             if (scheme.integrator) scheme.integrator = integrator(method);
@@ -320,15 +278,15 @@ Json run_bases(const BasesOptions& options) {
                                              {"contact_snapshots", setting.snapshots.dual.size()},
                                              {"test_parameters", references.parameters().size()},
                                              {"seconds_full", setting.snapshots.seconds}});
-                std::vector<const Recipe*> chosen;
-                for (const Recipe& recipe : recipes())
+                std::vector<const BasisStudyRecipe*> chosen;
+                for (const BasisStudyRecipe& recipe : basis_recipes())
                     if (fits(recipe, study, method) &&
                         (options.recipes.empty() ||
                          std::ranges::find(options.recipes, recipe.name) != options.recipes.end()))
                         chosen.push_back(&recipe);
                 Progress progress(name + ", " + method + ": bases",
                                   static_cast<double>(chosen.size() * sizes.size()));
-                for (const Recipe* recipe : chosen)
+                for (const BasisStudyRecipe* recipe : chosen)
                     for (std::size_t k = 0; k < sizes.size(); ++k) {
                         if (recipe->every_size || k == paper_size)
                             json["rows"].push_back(row_of(setting, *recipe, sizes[k], options.repeats));

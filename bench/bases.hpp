@@ -11,8 +11,9 @@ namespace tact::bench {
 struct BasesOptions {
     bool small = false;  ///< as paper_study, fewer sizes
     int repeats = 5;
-    std::vector<std::string> scenes = {};   ///< of the paper's three; empty: all
-    std::vector<std::string> recipes = {};  ///< labels wanted; empty: all
+    std::vector<std::string> scenes = {};       ///< of the paper's three; empty: all
+    std::vector<std::string> recipes = {};      ///< labels wanted; empty: all
+    std::vector<std::string> integrators = {};  ///< of marches: bdf2, trapezoid, bdf2-without-jump; empty: all
 };
 
 /// {"study", "size", "repeats", "machine", "trainings": [{"scene", "integrator", "samples", "snapshots", "contact_snapshots",
@@ -27,7 +28,6 @@ struct BasesOptions {
 ///   "outcome"            of a run that failed: numbers are then null.
 /// InputError for a bad option; Interrupted.
 Json run_bases(const BasesOptions& options);
-std::vector<std::string> basis_recipe_names();
 
 std::string bases_table(const Json& json);
 std::string bases_markdown(const Json& json);

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "tact/bench/bases.hpp"
+#include "tact/bench/basis_recipes.hpp"
 #include "tact/bench/case.hpp"
 #include "tact/bench/contact_solvers.hpp"
 #include "tact/bench/downsampling.hpp"
@@ -209,19 +210,21 @@ void add_work_precision(CLI::App& app) {
 
 void add_bases(CLI::App& app) {
     struct Arguments : StudyArguments {
-        std::vector<std::string> scenes, recipes;
+        std::vector<std::string> scenes, recipes, integrators;
     };
     CLI::App* command = app.add_subcommand("bases", "Reduced bases: error against online time of every dual basis");
     const auto arguments = std::make_shared<Arguments>();
     add_study_options(*command, *arguments);
     command->add_option("--scenes", arguments->scenes, "static-obstacle,dynamic-obstacle,two-plates (all)")
         ->delimiter(',');
+    command->add_option("--integrators", arguments->integrators, "bdf2,trapezoid,bdf2-without-jump (all)")
+        ->delimiter(',');
     std::string names;
     for (const std::string& name : basis_recipe_names()) names += (names.empty() ? "" : "; ") + name;
     command->add_option("--recipes", arguments->recipes, names + " (all)")->delimiter(';');
     command->callback([arguments] {
-        const Json json =
-            run_bases({arguments->size == "small", arguments->repeats, arguments->scenes, arguments->recipes});
+        const Json json = run_bases({arguments->size == "small", arguments->repeats, arguments->scenes,
+                                     arguments->recipes, arguments->integrators});
         std::cout << bases_table(json) << std::flush;
         write_study(arguments->out, "bases", json, bases_markdown(json));
         std::cout << "written: bases.json, bases.md and bases.svg in " << arguments->out << "\n";

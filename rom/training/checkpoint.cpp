@@ -108,6 +108,10 @@ TrainingIdentity training_identity(const ContactFamily& family, const TrainingMe
     inner_product.add(pod.inner_product);
     add("pod", printed(pod.tolerance) + ", " + std::to_string(pod.max_vectors) + ", " + inner_product.text() + ", " +
                    printed(options.pod_tolerance));
+    Digest primal;
+    primal.add(options.primal.body_of);
+    primal.add(options.primal.held);
+    add("primal", std::to_string(options.primal.held.cols()) + ", " + primal.text());
     add("supremizers", printed(options.supremizers.share) + ", " + printed(options.supremizers.a));
     return identity;
 }

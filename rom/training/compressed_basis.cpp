@@ -18,9 +18,7 @@ CompressedBasis compressed_basis(const ContactProblem& problem, const PodAccumul
     ReducedBasis& basis = result.basis;
     {
         const Stopwatch watch(result.seconds_pod);
-        basis.U = primal.modes(sizes.p).modes;
-        const Index kept = std::min(basis.U.cols(), primal.above(recipe.pod_tolerance));
-        basis.U.conservativeResize(Eigen::NoChange, kept);
+        basis.U = primal_basis(primal, sizes.p, recipe.pod_tolerance, recipe.primal);
     }
     basis.U_lambda.resize(dual.constraints(), 0);
     if (basis.U.cols() < 1) return result;

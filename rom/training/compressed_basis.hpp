@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tact/rom/training/dual_basis.hpp"
-#include "tact/rom/training/pod_accumulator.hpp"
+#include "tact/rom/training/primal_basis.hpp"
 #include "tact/rom/training/snapshots.hpp"
 #include "tact/rom/training/supremizers.hpp"
 
@@ -14,8 +14,9 @@ struct BasisSizes {
 };
 
 struct BasisRecipe {
-    BasisSizes sizes;          ///< p must not exceed the number of snapshots; p_lambda is lowered to what there is
-    double pod_tolerance = 0;  ///< modes up to this fraction of the largest singular value are left out of U
+    BasisSizes sizes;           ///< p must not exceed the number of snapshots; p_lambda is lowered to what there is
+    double pod_tolerance = 0;   ///< modes up to this fraction of the largest singular value are left out of U
+    PrimalOptions primal = {};  ///< what is held is beside the p modes
     DualBasis dual_basis = nnmf_basis();
     SupremizerOptions supremizers;  ///< the last modes of U make way for them
 };
@@ -28,7 +29,7 @@ struct [[nodiscard]] CompressedBasis {
     double seconds_pod = 0, seconds_dual = 0, seconds_projection = 0;
 };
 
-/// The modes of `primal`, the dual basis of `dual`, supremizers for it, in modal coordinates of `problem`, whose M, D, K
+/// The primal basis of `primal`, the dual basis of `dual`, supremizers for it, in modal coordinates of `problem`, whose M, D, K
 /// and B alone are read. `progress` is the dual basis'. InputError for p < 1, p_lambda < 0 or p beyond the snapshots.
 CompressedBasis compressed_basis(const ContactProblem& problem, const PodAccumulator& primal,
                                  const DualSnapshots& dual, const BasisRecipe& recipe,

@@ -256,10 +256,10 @@ ReducedBasis Training::raw_basis() const {
 
 bool Training::compress() {
     if (!tell("dual basis", 0)) return false;
-    CompressedBasis built = compressed_basis(
-        family_.at(current().gamma), state_.pod, state_.dual,
-        {options_.sizes(samples()), options_.pod_tolerance, options_.dual_basis, options_.supremizers},
-        [this](double fraction) { return tell("dual basis", fraction); });
+    CompressedBasis built = compressed_basis(family_.at(current().gamma), state_.pod, state_.dual,
+                                             {options_.sizes(samples()), options_.pod_tolerance, options_.primal,
+                                              options_.dual_basis, options_.supremizers},
+                                             [this](double fraction) { return tell("dual basis", fraction); });
     current().seconds_pod += built.seconds_pod;
     current().seconds_dual += built.seconds_dual;
     current().seconds_projection += built.seconds_projection;

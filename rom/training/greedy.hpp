@@ -60,6 +60,7 @@ struct TrainingOptions {
     std::function<double(const Parameter&, const ReducedBasis&, const ReducedStates&)> oracle;
     PodAccumulatorOptions pod;  ///< max_vectors is raised to twice the largest p
     double pod_tolerance = 0;   ///< modes up to this fraction of the largest singular value are left out of U
+    PrimalOptions primal;       ///< bodies, and modes beside those of the POD; not read without compression
     /// The last modes of U make way for supremizers; not read without compression.
     SupremizerOptions supremizers;
     DualBasis dual_basis = nnmf_basis();

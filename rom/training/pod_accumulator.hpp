@@ -32,6 +32,9 @@ public:
     /// The first p modes, orthonormal, signs fixed; fewer if fewer are held. InputError if p exceeds the number of
     /// snapshots.
     Pod modes(Index p) const;
+    /// What is held of X: n x vectors(), U diag(singular_values()).
+    const DenseMatrix& scaled_modes() const { return scaled_modes_; }
+    const std::optional<Matrix>& inner_product() const { return options_.inner_product; }
     /// How many singular values exceed this fraction of the largest.
     Index above(double fraction) const;
 

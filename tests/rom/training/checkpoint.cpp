@@ -170,6 +170,9 @@ TEST(Checkpoint, OfAnotherTrainingIsRefusedByName) {
     other = options;
     other.pod_tolerance = 1e-3;
     expect_named(refusal(moving, marching, other), "pod");
+    other = options;
+    other.primal.body_of.assign(static_cast<std::size_t>(moving.at(moving.lower()).size()), 0);
+    expect_named(refusal(moving, marching, other), "primal");
     std::filesystem::remove(options.checkpoint);
 }
 

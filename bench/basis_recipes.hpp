@@ -1,0 +1,28 @@
+// The ways to make a pair of bases that the study of bases compares.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tact/rom/training/dual_basis.hpp"
+
+namespace tact::bench {
+
+/// One way to make both bases from the same snapshots. An absent p_lambda share asks for all a recipe can give.
+struct BasisStudyRecipe {
+    std::string name;
+    std::vector<DualBasis> members;        ///< seeds
+    std::optional<double> dual_share = 1;  ///< p_lambda / p
+    double supremizers = 0;
+    double compliance = 0;
+    bool every_size = false;  ///< else at the paper's size only
+    bool bodies = false;      ///< a primal basis for each connected part of K
+    double static_modes = 0;  ///< of p: the share of static modes, under the load and at selected rows
+};
+
+const std::vector<BasisStudyRecipe>& basis_recipes();
+/// Each name once.
+std::vector<std::string> basis_recipe_names();
+
+}  // namespace tact::bench
