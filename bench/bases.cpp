@@ -14,6 +14,7 @@
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/lib/sparse/cholmod_solver.hpp"
 #include "tact/rom/training/compressed_basis.hpp"
+#include "tact/rom/training/training_error.hpp"
 
 namespace tact::bench {
 namespace {
@@ -107,6 +108,12 @@ Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const Dua
     wanted.supremizers.linear = std::make_shared<CholmodSolver>();
     wanted.supremizers.a = scheme.integrator ? 1.5 / scheme.grid.dt : 0;
 
+    const auto dense = std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance});
+    TrainingError training_error(family, {scheme.integrator, scheme.grid},
+                                 {std::make_shared<AutomaticContact>(), dense}, setting.samples);
+    if (recipe.swaps > 0)
+        wanted.dual_basis = selected_rows({.tries = recipe.swaps, .error = std::ref(training_error)});
+
     Member member;
     ReducedBasis basis;
     std::unique_ptr<ContactFamily> reduced;
@@ -119,15 +126,14 @@ Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const Dua
     });
     member.p = basis.primal_size();
     member.p_lambda = basis.dual_size();
-    const auto contact = std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance});
-    const ReducedErrors errors = setting.references.errors(basis, *reduced, contact);
+    const ReducedErrors errors = setting.references.errors(basis, *reduced, dense);
     member.outcome = errors.outcome;
     if (errors.outcome != Outcome::converged) return member;
     member.error = errors.worst();
     member.median = errors.median();
     member.penetration = errors.penetration;
     member.kkt = errors.worst_kkt;
-    ContactWorkspace workspace(contact);
+    ContactWorkspace workspace(dense);
     member.us_per_step = 1e6 * online_seconds(setting, basis, *reduced, workspace, repeats);
     return member;
 }

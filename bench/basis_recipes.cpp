@@ -55,6 +55,12 @@ const std::vector<BasisStudyRecipe>& basis_recipes() {
                         .dual_share = 0.5,
                         .every_size = true,
                         .static_modes = 0.2});
+        for (const auto& [share, compliance] : {std::pair{0.5, 0.0}, std::pair{2.0, 0.0}, std::pair{0.5, 0.3}})
+            list.push_back({.name = "selected rows, swaps",
+                            .members = {selected_rows()},
+                            .dual_share = share,
+                            .compliance = compliance,
+                            .swaps = 200});
         list.push_back({"NNMF, compliance", {nnmf_basis()}, 1, 0, 0.3, true});
         list.push_back({"touched rows", {touched_rows()}, std::nullopt});
         list.push_back({"singular vectors", {singular_vectors()}});

@@ -18,6 +18,7 @@ struct BasisStudyRecipe {
     double compliance = 0;
     bool every_size = false;  ///< else at the paper's size only
     bool bodies = false;      ///< a primal basis for each connected part of K
+    int swaps = 0;            ///< tries, of selected rows
     double static_modes = 0;  ///< of p: the share of static modes, under the load and at selected rows
 };
 

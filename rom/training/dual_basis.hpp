@@ -1,6 +1,7 @@
 // Dual bases: one function type, and the recipes for it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -43,10 +44,18 @@ DualBasis nnmf_basis(NnmfOptions options = {});
 /// Numer. Methods Eng. 121, 2020); until the farthest is within `tolerance` of the longest. Distances are resolved to 1e-7.
 DualBasis cone_projected_greedy(double tolerance = 0);
 
+/// Exchanges of a selected row for a touched one that is not, kept where the error falls.
+struct RowSwaps {
+    int tries = 0;
+    std::uint64_t seed = 1;  ///< of the pairs tried: the same rows for the same seed
+    /// What is to fall: the error of contact at these rows, such as a TrainingError.
+    std::function<double(const DenseMatrix& U, const std::vector<Index>& rows)> error = nullptr;
+};
+
 /// Contact at single rows of B: unit vectors at the first pivots of a column-pivoted QR factorisation of (B U)' over the touched rows,
 /// beyond their rank filled with evenly spaced ones. Rows that U cannot tell apart, as a mirrored pair in a
-/// symmetric scene, count once.
-DualBasis selected_rows();
+/// symmetric scene, count once. With tries, some of them are then exchanged; the residuals are the errors kept.
+DualBasis selected_rows(RowSwaps swaps = {});
 
 /// Contact at every touched row, whatever size is asked: no compression.
 DualBasis touched_rows();

@@ -1,6 +1,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <numeric>
+#include <random>
+#include <string>
+#include <utility>
 
 #include "tact/rom/training/dual_basis.hpp"
 #include "tact/rom/training/dual_basis_input.hpp"
@@ -56,10 +59,34 @@ std::vector<Index> spread_columns(const DenseMatrix& V, Index size) {
     return chosen;
 }
 
+/// Exchanges random entries of `rows` and `left` while the error falls; false if progress stopped it.
+bool swap_rows(const RowSwaps& swaps, const DualBasisInput& input, std::vector<Index>& rows, std::vector<Index>& left,
+               std::vector<double>& errors) {
+    if (rows.empty() || left.empty()) return true;
+    std::mt19937_64 random(swaps.seed);
+    const auto any = [&](std::vector<Index>& of) -> Index& { return of[random() % of.size()]; };
+    errors.push_back(swaps.error(input.U, rows));
+    for (int k = 0; k < swaps.tries; ++k) {
+        if (!report(input, static_cast<double>(k) / swaps.tries)) return false;
+        Index& taken = any(rows);
+        Index& other = any(left);
+        std::swap(taken, other);
+        const double error = swaps.error(input.U, rows);
+        if (error < errors.back())
+            errors.push_back(error);
+        else
+            std::swap(taken, other);
+    }
+    return true;
+}
+
 }  // namespace
 
-DualBasis selected_rows() {
-    return [](const DualBasisInput& input) {
+DualBasis selected_rows(RowSwaps swaps) {
+    if (swaps.tries < 0)
+        throw InputError("RowSwaps: tries is " + std::to_string(swaps.tries) + ", expected at least 0");
+    if (swaps.tries > 0 && !swaps.error) throw InputError("RowSwaps: error is empty, expected a function");
+    return [swaps = std::move(swaps)](const DualBasisInput& input) {
         const NonNegativeBlock X = checked_snapshots(input);
         DualBasisResult result = empty_dual_basis(input);
         if (input.size < 1 || X.rows() < 1) return result;
@@ -67,9 +94,14 @@ DualBasis selected_rows() {
         const DenseMatrix seen = input.B.times(input.U)(touched, Eigen::all).transpose();
         const std::vector<Index> distinct = distinct_columns(seen);
         if (distinct.empty()) return result;
-        std::vector<Index> rows;
+        std::vector<Index> rows, left;
+        for (const Index j : distinct) left.push_back(touched[static_cast<std::size_t>(j)]);
         for (const Index k : spread_columns(seen(Eigen::all, distinct), input.size))
-            rows.push_back(touched[static_cast<std::size_t>(distinct[static_cast<std::size_t>(k)])]);
+            rows.push_back(left[static_cast<std::size_t>(k)]);
+        if (swaps.tries > 0) {
+            std::erase_if(left, [&](Index row) { return std::ranges::find(rows, row) != rows.end(); });
+            if (!swap_rows(swaps, input, rows, left, result.residuals)) result.outcome = Outcome::stopped;
+        }
         result.U_lambda = unit_vectors(input.snapshots.rows(), rows);
         return result;
     };
