@@ -6,20 +6,12 @@
 #include <random>
 
 #include "tact/contact/dense/screened_gaps.hpp"
+#include "tact/tests/scattered.hpp"
 
 namespace tact {
 namespace {
 
-/// Numbers in (-1, 1), the same everywhere.
-DenseMatrix scattered(Index rows, Index cols, double seed) {
-    DenseMatrix X(rows, cols);
-    for (Index j = 0; j < cols; ++j)
-        for (Index i = 0; i < rows; ++i)
-            X(i, j) =
-                std::sin(seed * 12.9898 * static_cast<double>(i + 1) +
-                         78.233 * static_cast<double>((j + 1) * (j + 3)) + static_cast<double>((i + 1) * (j + 1)));
-    return X;
-}
+using testing::scattered;
 
 constexpr Index p = 50, m = 30;
 const Matrix A = Matrix::diagonal(Vector::LinSpaced(p, 1, 400).cwiseAbs2());

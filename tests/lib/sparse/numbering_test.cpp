@@ -6,25 +6,12 @@
 #include <random>
 
 #include "tact/lib/sparse/aggregation.hpp"
+#include "tact/tests/lib/sparse/random_matrices.hpp"
 
 namespace tact {
 namespace {
 
 using Permutation = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, long>;
-
-SparseMatrix membrane(Index n) {
-    std::vector<Eigen::Triplet<double, long>> entries;
-    for (long i = 0; i < n * n; ++i) {
-        entries.emplace_back(i, i, 4);
-        if (i % n > 0) entries.emplace_back(i, i - 1, -1);
-        if (i % n < n - 1) entries.emplace_back(i, i + 1, -1);
-        if (i >= n) entries.emplace_back(i, i - n, -1);
-        if (i < n * n - n) entries.emplace_back(i, i + n, -1);
-    }
-    SparseMatrix A(n * n, n * n);
-    A.setFromTriplets(entries.begin(), entries.end());
-    return A;
-}
 
 SparseMatrix shuffled(const SparseMatrix& A) {
     std::mt19937 random(5);
@@ -37,7 +24,7 @@ SparseMatrix shuffled(const SparseMatrix& A) {
 }
 
 TEST(Numbering, WavesPutARandomNumberingBackIntoLines) {
-    const SparseMatrix A = shuffled(membrane(40));
+    const SparseMatrix A = shuffled(test::laplacian(40));
     auto order = wave_order(A).order;
     const Matrix P = renumbered(A, order);
     const auto colours = greedy_colours(compressed_columns(*P.sparse()));
@@ -48,15 +35,15 @@ TEST(Numbering, WavesPutARandomNumberingBackIntoLines) {
 }
 
 TEST(Numbering, WhatReadsWellStays) {
-    EXPECT_TRUE(wave_order(membrane(40)).order.empty());
-    SparseMatrix holes = membrane(40);  // no two columns alike, but near the diagonal
+    EXPECT_TRUE(wave_order(test::laplacian(40)).order.empty());
+    SparseMatrix holes = test::laplacian(40);  // no two columns alike, but near the diagonal
     holes.prune([](long i, long j, double) { return i == j || (i * j) % 3 != 0; });
     EXPECT_TRUE(wave_order(holes).order.empty());
     EXPECT_TRUE(wave_order(SparseMatrix(0, 0)).order.empty());
 }
 
 TEST(Numbering, RenumberedIsWhatEigensPermutationMakes) {
-    SparseMatrix A = shuffled(membrane(9));
+    SparseMatrix A = shuffled(test::laplacian(9));
     for (const bool symmetric : {true, false}) {
         if (!symmetric)
             for (long k = 0; k < A.nonZeros(); ++k) A.valuePtr()[k] = 0.1 * static_cast<double>(k);

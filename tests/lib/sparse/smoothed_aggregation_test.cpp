@@ -7,23 +7,10 @@
 #include <random>
 
 #include "tact/lib/errors.hpp"
+#include "tact/tests/lib/sparse/random_matrices.hpp"
 
 namespace tact {
 namespace {
-
-SparseMatrix membrane(Index n) {
-    std::vector<Eigen::Triplet<double, long>> entries;
-    for (long i = 0; i < n * n; ++i) {
-        entries.emplace_back(i, i, 4);
-        if (i % n > 0) entries.emplace_back(i, i - 1, -1);
-        if (i % n < n - 1) entries.emplace_back(i, i + 1, -1);
-        if (i >= n) entries.emplace_back(i, i - n, -1);
-        if (i < n * n - n) entries.emplace_back(i, i + n, -1);
-    }
-    SparseMatrix A(n * n, n * n);
-    A.setFromTriplets(entries.begin(), entries.end());
-    return A;
-}
 
 /// The same matrix, with coefficients that single precision does not hold and in a random numbering.
 SparseMatrix shuffled_with_varied_coefficients(const SparseMatrix& A) {
@@ -65,7 +52,7 @@ std::vector<int> every_seventh(const SmoothedAggregation& hierarchy) {
 }
 
 TEST(SmoothedAggregation, TheCycleIsSymmetricAndCloseToTheInverse) {
-    for (const SparseMatrix& A : {membrane(24), shuffled_with_varied_coefficients(membrane(24))}) {
+    for (const SparseMatrix& A : {test::laplacian(24), shuffled_with_varied_coefficients(test::laplacian(24))}) {
         SmoothedAggregation hierarchy(compressed_columns(A));
         ASSERT_GE(hierarchy.levels(), 2);
         const DenseMatrix M = cycle_as_matrix(hierarchy);
@@ -77,7 +64,7 @@ TEST(SmoothedAggregation, TheCycleIsSymmetricAndCloseToTheInverse) {
 }
 
 TEST(SmoothedAggregation, AMaskedCycleIsSymmetricPositiveDefiniteOnTheOthers) {
-    const SparseMatrix A = membrane(24);
+    const SparseMatrix A = test::laplacian(24);
     SmoothedAggregation hierarchy(compressed_columns(A));
     const DenseMatrix unmasked = cycle_as_matrix(hierarchy);
     const auto masked = every_seventh(hierarchy);
@@ -95,7 +82,8 @@ TEST(SmoothedAggregation, AMaskedCycleIsSymmetricPositiveDefiniteOnTheOthers) {
 }
 
 TEST(SmoothedAggregation, ResidualsAndProductsAgreeWithTheMatrix) {
-    for (const SparseMatrix& A : {membrane(13), shuffled_with_varied_coefficients(membrane(13)), membrane(3)}) {
+    for (const SparseMatrix& A :
+         {test::laplacian(13), shuffled_with_varied_coefficients(test::laplacian(13)), test::laplacian(3)}) {
         SmoothedAggregation hierarchy(compressed_columns(A));
         const DenseMatrix S = scaled_dense(A);
         std::mt19937 random(1);
@@ -122,7 +110,7 @@ TEST(SmoothedAggregation, ResidualsAndProductsAgreeWithTheMatrix) {
 }
 
 TEST(SmoothedAggregation, ADiagonalWithoutSignIsRefused) {
-    SparseMatrix A = membrane(4);
+    SparseMatrix A = test::laplacian(4);
     A.coeffRef(5, 5) = 0;
     EXPECT_THROW(SmoothedAggregation(compressed_columns(A)), NumericalError);
 }
