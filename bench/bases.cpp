@@ -287,8 +287,9 @@ Json run_bases(const BasesOptions& options) {
                 std::vector<const BasisStudyRecipe*> chosen;
                 for (const BasisStudyRecipe& recipe : basis_recipes())
                     if (fits(recipe, study, method) &&
-                        (options.recipes.empty() ||
-                         std::ranges::find(options.recipes, recipe.name) != options.recipes.end()))
+                        (options.recipes.empty()
+                             ? !recipe.only_if_named()
+                             : std::ranges::find(options.recipes, recipe.name) != options.recipes.end()))
                         chosen.push_back(&recipe);
                 Progress progress(name + ", " + method + ": bases",
                                   static_cast<double>(chosen.size() * sizes.size()));

@@ -12,7 +12,7 @@ struct BasesOptions {
     bool small = false;  ///< as paper_study, fewer sizes
     int repeats = 5;
     std::vector<std::string> scenes = {};       ///< of the paper's three; empty: all
-    std::vector<std::string> recipes = {};      ///< labels wanted; empty: all
+    std::vector<std::string> recipes = {};      ///< labels wanted; empty: those of the diagram
     std::vector<std::string> integrators = {};  ///< of marches: bdf2, trapezoid, bdf2-without-jump; empty: all
 };
 

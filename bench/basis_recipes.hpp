@@ -20,6 +20,9 @@ struct BasisStudyRecipe {
     bool bodies = false;      ///< a primal basis for each connected part of K
     int swaps = 0;            ///< tries, of selected rows
     double static_modes = 0;  ///< of p: the share of static modes, under the load and at selected rows
+
+    /// Variants of the primal basis and of the rows: minutes, and not for the diagram.
+    bool only_if_named() const { return bodies || swaps > 0 || static_modes > 0; }
 };
 
 const std::vector<BasisStudyRecipe>& basis_recipes();

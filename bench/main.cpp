@@ -195,7 +195,8 @@ void add_work_precision(CLI::App& app) {
     add_study_options(*command, *arguments);
     std::string names;
     for (const std::string& name : precision_scene_names()) names += (names.empty() ? "" : ",") + name;
-    command->add_option("--scenes", arguments->scenes, names + " (all)")->delimiter(',');
+    command->add_option("--scenes", arguments->scenes, names + " (all but bodies, static modes and swaps)")
+        ->delimiter(',');
     command->add_flag("--no-answers", arguments->no_answers, "The curves only");
     command->callback([arguments] {
         const Json json = run_work_precision({.small = arguments->size == "small",
@@ -221,7 +222,8 @@ void add_bases(CLI::App& app) {
         ->delimiter(',');
     std::string names;
     for (const std::string& name : basis_recipe_names()) names += (names.empty() ? "" : "; ") + name;
-    command->add_option("--recipes", arguments->recipes, names + " (all)")->delimiter(';');
+    command->add_option("--recipes", arguments->recipes, names + " (all but bodies, static modes and swaps)")
+        ->delimiter(';');
     command->callback([arguments] {
         const Json json = run_bases({arguments->size == "small", arguments->repeats, arguments->scenes,
                                      arguments->recipes, arguments->integrators});
@@ -271,7 +273,8 @@ void add_all(CLI::App& app, int& code) {
     command->add_flag("--force", arguments->force, "Run finished studies again");
     std::string names;
     for (const Study& study : studies()) names += (names.empty() ? "" : ",") + study.name;
-    command->add_option("--only", arguments->only, names + " (all)")->delimiter(',');
+    command->add_option("--only", arguments->only, names + " (all but bodies, static modes and swaps)")
+        ->delimiter(',');
     command->callback([arguments, &code] {
         const AllOptions options{
             {arguments->size == "small", arguments->repeats}, arguments->out, arguments->force, arguments->only};
