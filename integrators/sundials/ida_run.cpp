@@ -158,7 +158,9 @@ private:
         Derivative(problem_, workspace_)(grid_.t0, now_.y, yp_.head(size()));
         if (fixed_) {
             y_[size()] = 0;  // the clock runs from t0
-            yp_[size()] = 0;
+            // Not its slope, which is zero: so that the first step corrects the clock by what every later one does, 2 dt^2. Half
+            // of that would make IDA's choice of the order after a failed second step a tie, which rounding decides.
+            yp_[size()] = -grid_.dt;
         }
         id_.segment(tested_.first, tested_.count).setOnes();
         drop_results(answer_view_.get());

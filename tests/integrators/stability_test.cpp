@@ -91,14 +91,20 @@ BarLaw bar_law(const Integrator& method, Index elements, double dt) {
 TEST(Stability, AFreeBarKeepsTheExactContactLaw) {
     // Exact: contact for 2 L/c = .6667, stress 300, impulse 200, rebound at 10. 50 elements, 10 steps for a wave through
     // one: the front is some elements wide, and a hundredth of the momentum stays in what oscillates behind it.
-    for (const auto& [name, method] : every_integrator()) {
+    testing::NamedIntegrators all = every_integrator();
+    for (auto& [name, method] : all)
+        if (name.starts_with(
+                "SDIRK 5")) {  // left to itself it gains energy in impacts, and chatters as rounding decides
+            name += ", e=0";
+            method = std::make_shared<Arkode>(sdirk54(), 0.0);
+        }
+    for (const auto& [name, method] : all) {
         const BarLaw law = bar_law(*method, 50, 6.25e-4);
-        const bool order_four = name.starts_with("SDIRK 5");  // gains energy in impacts and chatters
-        EXPECT_NEAR(law.duration, 2.0 / 3, order_four ? 0.03 : 0.01) << name;
+        EXPECT_NEAR(law.duration, 2.0 / 3, 0.01) << name;
         EXPECT_NEAR(law.rebound, 10, 0.4) << name;
         if (name.find("DIRK") != name.npos || name.starts_with("TR")) {
             // Their lambda is that of the last stage, not the mean of the step: its sum is no impulse.
-            if (!order_four) {
+            if (name.find("e=0") == name.npos) {
                 EXPECT_NEAR(law.stress, 300, 0.1) << name;
             }
             continue;
