@@ -103,14 +103,15 @@ void ReferenceRuns::add_error(std::size_t k, const ReducedBasis& basis, const Co
     }
     result.worst_kkt = std::max(result.worst_kkt, kkt);
 
-    const Vector gap = scene_.family->at(gammas_[k]).c.at(0);
-    const double scale = gap_scale(gap);
+    const Vector c = scene_.family->at(gammas_[k]).c.at(0);
+    const double scale = gap_scale(c);
+    const Eigen::VectorXf gap = c.cast<float>();
     // Rows i to i + count of B U q against the gap.
     const auto penetrate = [&](const Single& image, Index i, Index count) {
         for (Index j = 0; j < image.cols(); ++j)
             result.penetration =
                 std::max(result.penetration,
-                         (gap.segment(i, count) - image.col(j).head(count).cast<double>()).maxCoeff() / scale);
+                         static_cast<double>((gap.segment(i, count) - image.col(j).head(count)).maxCoeff()) / scale);
     };
     constexpr Index block = 256;
     Single lifted(block, q.cols());
@@ -118,7 +119,7 @@ void ReferenceRuns::add_error(std::size_t k, const ReducedBasis& basis, const Co
     for (Index i = 0; i < U.rows(); i += block) {
         const Index count = std::min(block, U.rows() - i);
         lifted.topRows(count).noalias() = U.middleRows(i, count) * q;
-        error += (lifted.topRows(count) - full.u.middleRows(i, count)).cast<double>().squaredNorm();
+        error += (lifted.topRows(count) - full.u.middleRows(i, count)).colwise().squaredNorm().cast<double>().sum();
         if (nodal) penetrate(lifted, i, count);
     }
     for (Index i = 0; !nodal && i < B_U.rows(); i += block) {
