@@ -14,7 +14,8 @@ constexpr double gram_resolution = 1e-7;  // of the longest snapshot: distances 
 /// Snapshots, by their inner products, and the cone of those chosen.
 class Cone {
 public:
-    explicit Cone(DenseMatrix G) : G_(std::move(G)), distance_(G_.diagonal().cwiseSqrt()), age_(G_.rows(), 0) {}
+    explicit Cone(DenseMatrix G)
+        : G_(std::move(G)), distance_(G_.diagonal().cwiseSqrt()), age_(static_cast<std::size_t>(G_.rows()), 0) {}
 
     const std::vector<Index>& chosen() const { return chosen_; }
     const Vector& distances() const { return distance_; }
