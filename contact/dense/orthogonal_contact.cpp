@@ -177,7 +177,7 @@ private:
             const Index k = factor_.size();
             if (multiplier_.head(k).minCoeff() >= 0) break;
             for (Index i = k - 1; i >= 0; --i)
-                if (multiplier_[i] < 0) drop(i);
+                if (!(multiplier_[i] >= 0)) drop(i);  // what overflowed, too
             balance(c);
         }
     }

@@ -264,5 +264,15 @@ TEST(HardProblems, ZeroGapEverywhereAndZeroLoadIsExactlyZero) {
     EXPECT_EQ(s.lambda, Vector::Zero(3));
 }
 
+TEST(HardProblems, AGuessWhoseMultipliersOverflowEndsWithoutAnAnswer) {
+    // u = b / A is infinite, and the row's gap infinity less infinity (found by fuzzing: it never ended)
+    const Matrix A = scaled(1e-10, Matrix::identity(2)), B(DenseMatrix{{1.0, -1.0}});
+    Vector u = Vector::Zero(2), lambda = Vector::Ones(1);
+    const ContactReport report =
+        OrthogonalContact().prepare(A, B)->solve(Vector::Constant(2, 1e308), Vector::Zero(1), {u, lambda});
+    EXPECT_NE(report.outcome, Outcome::converged);
+    EXPECT_EQ(u, Vector::Zero(2));
+}
+
 }  // namespace
 }  // namespace tact::laws
