@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tact/contact/dense/acceptance.hpp"
+#include "tact/contact/matrix_facts.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/klu_solver.hpp"
 
@@ -287,6 +288,7 @@ private:
 
 std::unique_ptr<PreparedContact> KluActiveSet::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("KluActiveSet", A, B);
+    check_no_negative_diagonal("KluActiveSet", A);
     return std::make_unique<PreparedKlu>(A, B);
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "tact/lib/errors.hpp"
 #include "tact/lib/sparse/lanczos.hpp"
 
 namespace tact {
@@ -46,6 +48,15 @@ MatrixFacts matrix_facts(const Matrix& A) {
     facts.condition_above = sum > 0 ? std::max(1.0, diagonals / sum) : infinity;
     facts.condition_below = dominance > 0 ? (2 - dominance) / dominance : infinity;
     return facts;
+}
+
+void check_no_negative_diagonal(std::string_view solver, const Matrix& A) {
+    constexpr double rounding = 1e-12;
+    const Vector diagonal = A.main_diagonal();
+    Index i = 0;
+    if (diagonal.minCoeff(&i) < -rounding * diagonal.lpNorm<Eigen::Infinity>())
+        throw InputError(std::string(solver) + ": A(" + std::to_string(i) + ", " + std::to_string(i) + ") is " +
+                         std::to_string(diagonal[i]) + ", expected a positive definite symmetric part of A");
 }
 
 }  // namespace tact

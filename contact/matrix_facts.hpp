@@ -1,6 +1,8 @@
 // What one pass over a matrix tells the chooser.
 #pragma once
 
+#include <string_view>
+
 #include "tact/lib/matrix.hpp"
 
 namespace tact {
@@ -24,5 +26,9 @@ struct MatrixFacts {
 
 /// A square; one pass over a sparse A, else over its sparse form.
 MatrixFacts matrix_facts(const Matrix& A);
+
+/// For solvers that need a positive definite symmetric part: InputError in the name of `solver` where an entry of the
+/// diagonal is below zero by more than rounding of the largest.
+void check_no_negative_diagonal(std::string_view solver, const Matrix& A);
 
 }  // namespace tact

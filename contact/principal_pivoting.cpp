@@ -7,6 +7,7 @@
 
 #include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/lemke.hpp"
+#include "tact/contact/matrix_facts.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/sparse/klu_solver.hpp"
 
@@ -214,6 +215,7 @@ private:
 
 std::unique_ptr<PreparedContact> PrincipalPivoting::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("PrincipalPivoting", A, B);
+    check_no_negative_diagonal("PrincipalPivoting", A);
     if (B.rows() > 6000) throw InputError("PrincipalPivoting: B is " + B.shape() + ", expected at most 6000 rows");
     return std::make_unique<PreparedPivoting>(A, B);
 }

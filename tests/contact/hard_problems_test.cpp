@@ -7,6 +7,7 @@
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
+#include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/proximal_contact.hpp"
 #include "tact/tests/laws/quadratic_programs.hpp"
 
@@ -262,6 +263,18 @@ TEST(HardProblems, ZeroGapEverywhereAndZeroLoadIsExactlyZero) {
     ASSERT_EQ(s.report.outcome, Outcome::converged);
     EXPECT_EQ(s.u, Vector::Zero(3));
     EXPECT_EQ(s.lambda, Vector::Zero(3));
+}
+
+TEST(HardProblems, KluAndPrincipalPivotingRefuseANegativeDiagonal) {
+    // No symmetric part is positive definite then: what was called converged was a stationary point at most.
+    const KluActiveSet klu;
+    const PrincipalPivoting pivoting;
+    const Matrix B(DenseMatrix{{1.0, 0.0}});
+    for (const DenseMatrix& A : {DenseMatrix{{-2.25, 8.125}, {8.125, 8.125}}, DenseMatrix{{1.0, 3.0}, {-3.0, -1.0}}})
+        for (const Matrix& kind : {Matrix(A), Matrix(Matrix(A).to_sparse())})
+            for (const ContactSolver* solver : std::initializer_list<const ContactSolver*>{&klu, &pivoting})
+                EXPECT_THROW((void)solver->prepare(kind, B), InputError);
+    EXPECT_NO_THROW((void)KluActiveSet().prepare(Matrix(DenseMatrix{{1.0, 3.0}, {-3.0, 1.0}}), B));
 }
 
 TEST(HardProblems, AGuessWhoseMultipliersOverflowEndsWithoutAnAnswer) {
