@@ -82,9 +82,20 @@ int wait_for(pid_t child) {
     return status;
 }
 
-/// A copy of this process. The threads that OpenMP keeps are not copied with it, and who waits for them waits for ever:
-/// they are given back first.
+std::string why(int status, double cpu_seconds) {
+    if (WIFSIGNALED(status)) {
+        if (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)
+            return "out of time (" + std::to_string(std::lround(cpu_seconds)) + " s) or of memory";
+        if (WTERMSIG(status) == SIGPROF) return own_timer;
+        return "ended by signal " + std::to_string(WTERMSIG(status));
+    }
+    return "ended with code " + std::to_string(WEXITSTATUS(status));
+}
+
+}  // namespace
+
 pid_t copy_process() {
+    // OpenMP's threads are not copied with the process, and who waits for them waits for ever.
     constexpr int hard = 2;  // omp_pause_hard
     if (omp_pause_resource_all) omp_pause_resource_all(hard);
     std::fflush(nullptr);
@@ -92,17 +103,6 @@ pid_t copy_process() {
     if (child < 0) throw NumericalError("isolated: no further process");
     return child;
 }
-
-std::string why(int status, double cpu_seconds) {
-    if (WIFSIGNALED(status)) {
-        if (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)
-            return "out of time (" + std::to_string(std::lround(cpu_seconds)) + " s) or of memory";
-        return "ended by signal " + std::to_string(WTERMSIG(status));
-    }
-    return "ended with code " + std::to_string(WEXITSTATUS(status));
-}
-
-}  // namespace
 
 Json isolated(const std::function<Json()>& work, double cpu_seconds) {
     throw_if_interrupted();

@@ -273,8 +273,7 @@ void add_all(CLI::App& app, int& code) {
     command->add_flag("--force", arguments->force, "Run finished studies again");
     std::string names;
     for (const Study& study : studies()) names += (names.empty() ? "" : ",") + study.name;
-    command->add_option("--only", arguments->only, names + " (all but bodies, static modes and swaps)")
-        ->delimiter(',');
+    command->add_option("--only", arguments->only, names + " (all)")->delimiter(',');
     command->callback([arguments, &code] {
         const AllOptions options{
             {arguments->size == "small", arguments->repeats}, arguments->out, arguments->force, arguments->only};

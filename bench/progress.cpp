@@ -28,6 +28,8 @@ std::string& part_name() {
     return name;
 }
 
+bool hidden = false;
+
 }  // namespace
 
 ProgressPart::ProgressPart(std::string name) { part_name() = std::move(name) + ": "; }
@@ -40,9 +42,14 @@ Progress::Progress(std::string label, double total, ProgressStyle style)
       style_(style),
       start_(std::chrono::steady_clock::now()) {}
 
+void hide_progress() { hidden = true; }
+
+void Progress::label(const std::string& text) { label_ = part_name() + text; }
+
 void Progress::at(double done) {
     throw_if_interrupted();
     done_ = done;
+    if (hidden) return;
     const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     if (elapsed < shown_at_ + style_.every) return;
     shown_at_ = elapsed;

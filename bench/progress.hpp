@@ -29,7 +29,7 @@ public:
     /// `done` of the total, which the remaining time is reckoned from.
     void at(double done);
     void add(double done) { at(done_ + done); }
-    void label(std::string text) { label_ = std::move(text); }
+    void label(const std::string& text);
 
 private:
     void show(double elapsed);
@@ -39,6 +39,9 @@ private:
     ProgressStyle style_;
     std::chrono::steady_clock::time_point start_;
 };
+
+/// From now on this process shows no bar; they still end with Interrupted.
+void hide_progress();
 
 /// While it lives, every bar says what part of a longer work it belongs to.
 class ProgressPart {
