@@ -9,6 +9,7 @@
 
 #include "tact/bench/isolated.hpp"
 #include "tact/bench/peer_program.hpp"
+#include "tact/bench/report.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/io/write_file.hpp"
 
@@ -95,21 +96,22 @@ void write_problem(const fs::path& path, const SolverProblem& problem, const Bou
 }
 
 /// Reads the answers and certifies them by our own residuals.
-void read_answers(const fs::path& path, Json& row, const SolverProblem& problem, const BoundForm& form, int repeats) {
+void read_answers(const fs::path& path, Json& row, const SolverProblem& problem, const BoundForm& form) {
     std::ifstream in(path, std::ios::binary);
-    std::vector<std::vector<double>> seconds(static_cast<std::size_t>(repeats));
+    std::vector<std::vector<double>> seconds;
     double iterations = 0, weight = 0, kkt = 0, error = 0;
     bool converged = true;
     const SampledSolve& first = problem.samples.front();
     const KktCertificate certificate(first.A, first.B);
     for (std::size_t k = 0; k < problem.samples.size(); ++k) {
         const SampledSolve& sample = problem.samples[k];
-        std::int64_t head[2];
-        Vector times(repeats), y(sample.u.size());
-        get(in, head, 2);
+        std::int64_t head[3] = {};
+        get(in, head, 3);
+        Vector times(head[2]), y(sample.u.size());
         for (Vector* values : {&times, &y}) get(in, values->data(), values->size());
         if (!in) throw NumericalError("petsc: the answer is not whole");
-        for (int r = 0; r < repeats; ++r) seconds[static_cast<std::size_t>(r)].push_back(times[r]);
+        seconds.resize(static_cast<std::size_t>(head[2]));
+        for (Index r = 0; r < times.size(); ++r) seconds[static_cast<std::size_t>(r)].push_back(times[r]);
         const Vector u = form.T * y;
         const Vector lambda = form.multipliers(sample.A * u - sample.b, y, form.lower(sample.c));
         kkt = std::max(kkt, certificate(sample.b, sample.c, u, lambda).largest());
@@ -161,14 +163,15 @@ Json time_petsc(const SolverProblem& problem, const PetscMethod& method, const s
     const fs::path question = folder.path() / "problem", answer = folder.path() / "answer";
     const int repeats = std::min(options.repeats, 3);  // they cost seconds
     write_problem(question, problem, form, repeats);
-    const std::string why = run_program(
-        {program, question.string(), answer.string(), method.family, scientific(method.accuracy), method.options},
-        options.limit);
+    const std::string why =
+        run_program({program, question.string(), answer.string(), method.family, scientific(method.accuracy),
+                     scientific(options.peer_solve), scientific(options.enough), method.options},
+                    options.limit);
     if (!why.empty()) {
-        row["message"] = why;
+        row["message"] = why == own_timer ? "more than " + with_unit(options.peer_solve) + " for one solve" : why;
         return row;
     }
-    read_answers(answer, row, problem, form, repeats);
+    read_answers(answer, row, problem, form);
     row["how"] = problem.march ? "from " + std::to_string(problem.samples.size()) + " sampled steps" : problem.what;
     return row;
 }

@@ -9,9 +9,10 @@ namespace tact::bench {
 
 struct TimingOptions {
     int repeats = 5;
-    double enough = 5;    ///< CPU s after which no repeat is begun
-    double limit = 60;    ///< CPU s after which a solver is given up
-    double march_at = 5;  ///< CPU s a whole march may take; slower solvers are timed on its samples
+    double enough = 5;       ///< CPU s after which no repeat is begun
+    double limit = 60;       ///< CPU s after which a solver is given up
+    double march_at = 5;     ///< CPU s a whole march may take; slower solvers are timed on its samples
+    double peer_solve = 60;  ///< CPU s after which PETSc's solve, and with it the row, is lost
 };
 
 /// {"problem", "solver", "seconds_median", "seconds_min", "iterations", "kkt_residual", "solution_error", "peer", "outcome",

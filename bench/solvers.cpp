@@ -1,6 +1,7 @@
 #include "tact/bench/solvers.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tact/bench/growth.hpp"
 #include "tact/bench/interior_point.hpp"
@@ -47,6 +48,16 @@ Json numbering_of(const SolverProblem& problem, const Json& rows, const TimingOp
     return result;
 }
 
+/// A peer that takes hundreds of times as long as the chooser has lost: nothing is learnt from waiting for it.
+double peer_solve_limit(const Json& rows, const std::string& problem, bool small) {
+    constexpr double lost = 500, most = 60;
+    const double least = small ? 1 : 10;
+    for (const Json& row : rows)
+        if (row["problem"] == problem && row["solver"] == "chooser" && row["seconds_median"].is_number())
+            return std::clamp(std::ceil(lost * row["seconds_median"].get<double>()), least, most);
+    return most;
+}
+
 void measure_scene(Json& json, const std::string& scene, const SolversOptions& options,
                    const std::optional<std::string>& petsc) {
     const bool plates = scene == "two-plates";
@@ -62,6 +73,7 @@ void measure_scene(Json& json, const std::string& scene, const SolversOptions& o
                 add(json["rows"], time_solver(problem, solver, timing));
             progress.add(1);
         }
+        timing.peer_solve = peer_solve_limit(json["rows"], problem.name, options.small);
         if (petsc)
             for (const PetscMethod& method : petsc_methods()) {
                 add(json["rows"], time_petsc(problem, method, *petsc, timing));

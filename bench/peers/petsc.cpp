@@ -1,9 +1,12 @@
-// tact-peer-petsc PROBLEM ANSWER snes|tao ACCURACY OPTIONS: bound-constrained quadratic programmes by PETSc, timed here. A program
-// of its own because PETSc brings MPI. The files are those of bench/petsc_peer.cpp, which starts it; no tact library.
+// tact-peer-petsc PROBLEM ANSWER snes|tao ACCURACY LIMIT ENOUGH OPTIONS: bound-constrained quadratic programmes by PETSc, timed
+// here. A solve of more than LIMIT CPU s ends it by SIGPROF, after ENOUGH CPU s no repeat is begun. A program of its own because
+// PETSc brings MPI. The files are those of bench/petsc_peer.cpp, which starts it; no tact library.
 #include <petscksp.h>
 #include <petscsnes.h>
 #include <petsctao.h>
+#include <sys/time.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -61,7 +64,8 @@ bool read_problem(const char* path, Problem& p) {
 bool write_answers(const char* path, const std::vector<Answer>& answers) {
     std::ofstream out(path, std::ios::binary);
     for (const Answer& answer : answers) {
-        write(out, std::vector<std::int64_t>{answer.reason, answer.iterations});
+        const auto repeats = static_cast<std::int64_t>(answer.seconds.size());
+        write(out, std::vector<std::int64_t>{answer.reason, answer.iterations, repeats});
         write(out, answer.seconds);
         write(out, answer.u);
     }
@@ -75,6 +79,20 @@ double cpu_seconds() {
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
+
+/// SIGPROF after so many CPU s: PETSc cannot be asked to look at a clock.
+void end_after(double seconds) {
+    itimerval timer{};
+    timer.it_value.tv_sec = static_cast<time_t>(seconds);
+    timer.it_value.tv_usec = static_cast<suseconds_t>(1e6 * (seconds - std::floor(seconds)));
+    setitimer(ITIMER_PROF, &timer, nullptr);
+}
+
+/// What the user asks of all solves alike.
+struct Limits {
+    double accuracy = 0;  ///< over |b|
+    double solve = 0, enough = 0;
+};
 
 /// What PETSc's call-backs see.
 struct Programme {
@@ -175,7 +193,7 @@ PetscErrorCode fill(Vec to, const std::vector<double>& from) {
 }
 
 /// All samples in turn, as often as asked. Making the solver counts where every solve is cold; copying data in never does.
-PetscErrorCode run(Problem& problem, bool use_snes, double accuracy, std::vector<Answer>& answers) {
+PetscErrorCode run(Problem& problem, bool use_snes, const Limits& limits, std::vector<Answer>& answers) {
     Programme p;
     const auto n = static_cast<PetscInt>(problem.n);
     PetscFunctionBeginUser;
@@ -185,7 +203,9 @@ PetscErrorCode run(Problem& problem, bool use_snes, double accuracy, std::vector
     for (Vec* v : {&p.b, &p.lower, &p.upper, &p.x, &p.work}) PetscCall(VecCreateSeq(PETSC_COMM_SELF, n, v));
     PetscCall(VecSet(p.upper, PETSC_INFINITY));
     answers.resize(problem.samples.size());
+    const double begin = cpu_seconds();
     for (std::int64_t repeat = 0; repeat < problem.repeats; ++repeat) {
+        if (repeat > 0 && cpu_seconds() - begin > limits.enough) break;
         Solver solver;
         if (!problem.cold) PetscCall(solver.create(use_snes, p));
         for (std::size_t k = 0; k < problem.samples.size(); ++k) {
@@ -196,9 +216,10 @@ PetscErrorCode run(Problem& problem, bool use_snes, double accuracy, std::vector
             PetscCall(fill(p.lower, sample.lower));
             PetscCall(fill(p.x, sample.guess));
             PetscCall(VecNorm(p.b, NORM_2, &size));
+            end_after(limits.solve);
             const double start = cpu_seconds();
             if (problem.cold) PetscCall(solver.create(use_snes, p));
-            PetscCall(solver.solve(p, accuracy * size, answer));
+            PetscCall(solver.solve(p, limits.accuracy * size, answer));
             answer.seconds.push_back(cpu_seconds() - start);
             if (problem.cold) PetscCall(solver.destroy());
             const PetscScalar* values = nullptr;
@@ -220,8 +241,8 @@ int main(int argc, char** argv) {
         std::printf("%d.%d.%d\n", PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR);
         return 0;
     }
-    if (argc != 6) {
-        std::fprintf(stderr, "usage: tact-peer-petsc PROBLEM ANSWER snes|tao ACCURACY OPTIONS\n");
+    if (argc != 8) {
+        std::fprintf(stderr, "usage: tact-peer-petsc PROBLEM ANSWER snes|tao ACCURACY LIMIT ENOUGH OPTIONS\n");
         return 2;
     }
     Problem problem;
@@ -231,9 +252,11 @@ int main(int argc, char** argv) {
     }
     int none = 0;
     PetscCall(PetscInitialize(&none, nullptr, nullptr, nullptr));
-    PetscCall(PetscOptionsInsertString(nullptr, argv[5]));
+    PetscCall(PetscOptionsInsertString(nullptr, argv[7]));
     std::vector<Answer> answers;
-    PetscCall(run(problem, std::string(argv[3]) == "snes", std::atof(argv[4]), answers));
+    const Limits limits{std::atof(argv[4]), std::atof(argv[5]), std::atof(argv[6])};
+    PetscCall(run(problem, std::string(argv[3]) == "snes", limits, answers));
+    end_after(0);
     PetscCall(PetscFinalize());
     if (write_answers(argv[2], answers)) return 0;
     std::fprintf(stderr, "tact-peer-petsc: %s cannot be written\n", argv[2]);
