@@ -195,8 +195,7 @@ void add_work_precision(CLI::App& app) {
     add_study_options(*command, *arguments);
     std::string names;
     for (const std::string& name : precision_scene_names()) names += (names.empty() ? "" : ",") + name;
-    command->add_option("--scenes", arguments->scenes, names + " (all but bodies, static modes and swaps)")
-        ->delimiter(',');
+    command->add_option("--scenes", arguments->scenes, names + " (all)")->delimiter(',');
     command->add_flag("--no-answers", arguments->no_answers, "The curves only");
     command->callback([arguments] {
         const Json json = run_work_precision({.small = arguments->size == "small",
