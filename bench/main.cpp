@@ -51,7 +51,8 @@ void add_case(CLI::App& app, int& code) {
     command->add_option("--t-end", options.t_end, "End time (the paper's: 2, plates .4; else the usual)");
     command->add_option(
         "--integrator", options.integrator,
-        "bdf2, bdf2-without-jump, trapezoid, moreau-jean, ida, ida-fixed, sdirk2, tr-bdf2, esdirk32, "
+        "bdf2, bdf2-without-jump, central-difference, trapezoid, moreau-jean, ida, ida-fixed, sdirk2, tr-bdf2, "
+        "esdirk32, "
         "sdirk54, quasi-static; options after a colon: trapezoid:rho=0.3,e=0, ida:rtol=1e-5 (bdf2; without M "
         "and D the equilibria at the times asked for)");
     command->add_option("--at", options.at, "Times to report: T1,T2,... (the end)")->delimiter(',');

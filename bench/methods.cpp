@@ -7,6 +7,7 @@
 #include "tact/integrators/arkode.hpp"
 #include "tact/integrators/bdf2.hpp"
 #include "tact/integrators/bdf2_without_jump.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/integrators/ida.hpp"
 #include "tact/integrators/moreau_jean.hpp"
 #include "tact/integrators/quasi_static.hpp"
@@ -70,6 +71,7 @@ const std::map<std::string, Make, std::less<>>& makers() {
     static const std::map<std::string, Make, std::less<>> all{
         {"bdf2", [](Given&) { return std::make_unique<Bdf2>(); }},
         {"bdf2-without-jump", [](Given& given) { return std::make_unique<Bdf2WithoutJump>(given.take("e", 0)); }},
+        {"central-difference", [](Given& given) { return std::make_unique<CentralDifference>(given.take("e", 0)); }},
         {"trapezoid",
          [](Given& given) {
              const double rho = given.take("rho", 1);

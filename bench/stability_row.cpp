@@ -157,7 +157,8 @@ std::vector<std::string> stability_integrators() {
 
 double restitution_of(const std::string& name) {
     const std::string base = name.substr(0, name.find(':'));
-    const bool always = base == "trapezoid" || base == "bdf2-without-jump" || base == "moreau-jean";
+    const bool always =
+        base == "trapezoid" || base == "bdf2-without-jump" || base == "moreau-jean" || base == "central-difference";
     double e = always ? 0 : std::numeric_limits<double>::quiet_NaN();
     for (const char* start : {":e=", ",e="})
         if (const auto at = name.find(start); at != std::string::npos)

@@ -91,8 +91,7 @@ void measure(Json& json, const PrecisionScene& scene, const WorkPrecisionOptions
         count += static_cast<double>(method.adaptive ? scene.tolerances.size() : scene.steps.size());
     Progress progress(scene.name, count);
     for (const PrecisionMethod& method : methods) {
-        const std::vector<double> steps(scene.steps.begin(), scene.steps.end());
-        for (const double parameter : method.adaptive ? scene.tolerances : steps) {
+        for (const double parameter : parameters_of(method, scene)) {
             progress.label(scene.name + ": " + method.label());
             // What takes too long takes longer still with more steps.
             const bool late = !json["rows"].empty() && json["rows"].back()["integrator"] == method.label() &&

@@ -7,6 +7,7 @@
 #include "tact/bench/methods.hpp"
 #include "tact/bench/report.hpp"
 #include "tact/bench/timing.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/lib/energy.hpp"
 
 namespace tact::bench {
@@ -72,25 +73,38 @@ std::unique_ptr<Integrator> PrecisionMethod::make(double tolerance) const {
 }
 
 const std::vector<PrecisionMethod>& precision_methods() {
-    static const std::vector<PrecisionMethod> all{{"bdf2", false, false},        {"bdf2-without-jump", false, true},
-                                                  {"trapezoid", false, true},    {"trapezoid:rho=0.3", false, true},
-                                                  {"moreau-jean", false, true},  {"ida-fixed", false, false},
-                                                  {"sdirk2", false, false},      {"tr-bdf2", false, false},
-                                                  {"esdirk32", false, false},    {"sdirk54", false, false},
-                                                  {"ida", true, false},          {"sdirk2", true, false},
-                                                  {"tr-bdf2", true, false},      {"esdirk32", true, false},
-                                                  {"sdirk54", true, false},      {"sdirk2:e=0", false, false},
-                                                  {"tr-bdf2:e=0", false, false}, {"esdirk32:e=0", false, false},
-                                                  {"sdirk54:e=0", false, false}, {"ida:e=0", true, false},
-                                                  {"sdirk2:e=0", true, false},   {"tr-bdf2:e=0", true, false},
-                                                  {"esdirk32:e=0", true, false}, {"sdirk54:e=0", true, false}};
+    static const std::vector<PrecisionMethod> all{
+        {"bdf2", false, false},         {"bdf2-without-jump", false, true}, {"central-difference", false, true, true},
+        {"trapezoid", false, true},     {"trapezoid:rho=0.3", false, true}, {"moreau-jean", false, true},
+        {"ida-fixed", false, false},    {"sdirk2", false, false},           {"tr-bdf2", false, false},
+        {"esdirk32", false, false},     {"sdirk54", false, false},          {"ida", true, false},
+        {"sdirk2", true, false},        {"tr-bdf2", true, false},           {"esdirk32", true, false},
+        {"sdirk54", true, false},       {"sdirk2:e=0", false, false},       {"tr-bdf2:e=0", false, false},
+        {"esdirk32:e=0", false, false}, {"sdirk54:e=0", false, false},      {"ida:e=0", true, false},
+        {"sdirk2:e=0", true, false},    {"tr-bdf2:e=0", true, false},       {"esdirk32:e=0", true, false},
+        {"sdirk54:e=0", true, false}};
     return all;
 }
 
 std::vector<PrecisionMethod> precision_methods_for(const PrecisionScene& scene) {
     std::vector<PrecisionMethod> methods = precision_methods();
     if (!scene.impacts) std::erase_if(methods, [](const PrecisionMethod& method) { return method.has_impact_law(); });
+    const Vector* mass = scene.problem.M ? scene.problem.M->diagonal_entries() : nullptr;
+    if (mass && !(mass->array() > 0).all())
+        std::erase_if(methods, [](const PrecisionMethod& method) { return method.explicit_steps; });
     return methods;
+}
+
+std::vector<double> parameters_of(const PrecisionMethod& method, const PrecisionScene& scene) {
+    if (method.adaptive) return scene.tolerances;
+    std::vector<double> steps(scene.steps.begin(), scene.steps.end());
+    if (!method.explicit_steps) return steps;
+    ContactWorkspace workspace(scene.contact);
+    const double largest = CentralDifference::largest_step(scene.problem, workspace);
+    const auto outputs = static_cast<double>(scene.outputs);
+    steps[0] = outputs * std::ceil(scene.t_end / (outputs * largest) * (1 - rounding));
+    for (std::size_t k = 1; k < steps.size(); ++k) steps[k] = 2 * steps[k - 1];
+    return steps;
 }
 
 Recorded record(const PrecisionMethod& method, double parameter, const PrecisionScene& scene, Ledgers ledgers,

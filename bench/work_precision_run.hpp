@@ -17,6 +17,7 @@ struct PrecisionMethod {
     bool adaptive = false;
     /// Whether lambda is the mean over the step (an impulse over its length), or the force at its end.
     bool mean_force = false;
+    bool explicit_steps = false;  ///< stable up to a largest step only
 
     std::string label() const { return adaptive && name.rfind("ida", 0) != 0 ? name + ", adaptive" : name; }
     /// Whether it is a variant whose impact law is an option.
@@ -25,8 +26,11 @@ struct PrecisionMethod {
 };
 /// All; those with an impact law as an option last.
 const std::vector<PrecisionMethod>& precision_methods();
-/// Without those where nothing meets.
+/// Without those where nothing meets, and explicit ones where M is wanting.
 std::vector<PrecisionMethod> precision_methods_for(const PrecisionScene& scene);
+/// What a method is asked with: the scene's tolerances, or numbers of steps; explicit methods begin at the fewest that are
+/// stable, and double them as often.
+std::vector<double> parameters_of(const PrecisionMethod& method, const PrecisionScene& scene);
 
 /// The states of one march at the output times, and its ledgers where they were wanted.
 struct Recorded {

@@ -5,6 +5,7 @@
 #include "tact/integrators/hermite.hpp"
 #include "tact/integrators/impact.hpp"
 #include "tact/integrators/naming.hpp"
+#include "tact/lib/row_runs.hpp"
 
 namespace tact {
 namespace {
@@ -18,6 +19,7 @@ public:
           theta_(options.theta),
           restitution_(options.restitution),
           stages_(problem, workspace),
+          stiffness_(problem.K),
           prepared_(workspace.prepared(problem, {1, grid.dt * theta_, grid.dt * grid.dt * theta_ * theta_})),
           now_(problem, grid.t0),
           next_(now_),
@@ -57,7 +59,7 @@ private:
         b_ += h * theta_ * stages_.load(t, Side::left);
         problem_.M->multiply(now_.v(), b_, 1, 1);
         work_ = now_.u() + h * theta_ * (1 - theta_) * now_.v();
-        problem_.K.multiply(work_, b_, -h, 1);
+        stiffness_.add(-h, work_, b_);
         if (problem_.D) problem_.D->multiply(now_.v(), b_, -h * (1 - theta_), 1);
     }
 
@@ -87,6 +89,7 @@ private:
     TimeGrid grid_;
     double theta_, restitution_;
     StageSolver stages_;
+    RepeatedProduct stiffness_;
     std::shared_ptr<PreparedContact> prepared_;
     State now_, next_;  // after a step next_ is the one before
     Vector b_, work_, impulse_, gap_, bound_, rate_, closed_, scratch_;

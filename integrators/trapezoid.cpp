@@ -6,7 +6,9 @@
 
 #include "tact/integrators/hermite.hpp"
 #include "tact/integrators/impact.hpp"
+#include "tact/integrators/jumping_load.hpp"
 #include "tact/integrators/naming.hpp"
+#include "tact/lib/row_runs.hpp"
 
 namespace tact {
 namespace {
@@ -21,28 +23,6 @@ struct Alpha {
     double m, f, gamma, beta;
 };
 
-/// f(t) just before and just after t. Steps whose time is a jump's to rounding end at the jump itself.
-class Load {
-public:
-    Load(const ContactProblem& problem, StageSolver& stages) : problem_(problem), stages_(stages) {}
-    const Vector& before(double t, double h) { return stages_.load(near(t, h), Side::left); }
-    const Vector& after(double t, double h) { return stages_.load(near(t, h), Side::right); }
-    bool jumps(double t, double h) const {
-        const auto& jumps = problem_.f.jumps;
-        return std::ranges::any_of(jumps, [&](double jump) { return std::abs(jump - t) <= close * h; });
-    }
-
-private:
-    static constexpr double close = 1e-9;
-    double near(double t, double h) const {
-        for (const double jump : problem_.f.jumps)
-            if (std::abs(jump - t) <= close * h) return jump;
-        return t;
-    }
-    const ContactProblem& problem_;
-    StageSolver& stages_;
-};
-
 /// What the two orders in time share: states, guesses, K u + r(u).
 class TrapezoidRun : public Run {
 public:
@@ -51,6 +31,7 @@ public:
           grid_(grid),
           stages_(problem, workspace),
           load_(problem, stages_),
+          stiffness_(problem.K),
           now_(problem, grid.t0),
           next_(now_),
           rhs_(problem.size()),
@@ -65,7 +46,8 @@ public:
 protected:
     /// internal_ = K u + r(u)
     void internal_forces(const ConstVectorRef& u) {
-        problem_.K.multiply(u, internal_);
+        internal_.setZero();
+        stiffness_.add(1, u, internal_);
         if (!problem_.r) return;
         problem_.r->force(u, work_);
         internal_ += work_;
@@ -101,7 +83,8 @@ protected:
     const ContactProblem& problem_;
     TimeGrid grid_;
     StageSolver stages_;
-    Load load_;
+    JumpingLoad load_;
+    RepeatedProduct stiffness_;
     State now_, next_;  // after a step next_ is the one before
     Vector rhs_, internal_, work_, earlier_;
     Vector force_;    // f - K u - D v at the end of the last step, right limit

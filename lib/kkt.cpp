@@ -272,7 +272,8 @@ void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, cons
     const double gaps = gap_scale.highest(), multipliers = multiplier.largest();
     kkt.absolute.penetration = -gap.lowest();
     kkt.absolute.negativity = -multiplier.lowest();
-    kkt.penetration = ratio(kkt.absolute.penetration, gaps);
+    // Where terms overflow nothing can be said of a gap.
+    kkt.penetration = std::isfinite(gaps) ? ratio(kkt.absolute.penetration, gaps) : infinity;
     kkt.negativity = ratio(kkt.absolute.negativity, multipliers);
     for (const auto& [opening, force] : touches) {
         if (opening == infinity) {
@@ -295,9 +296,15 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
     Range gap, gap_scale, multiplier;
     multiplier.take(lambda.data(), lambda.size());
     const bool touching = multiplier.largest() != 0;
-    take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
-        if (touching) w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
-    });
+    if (const Vector* diagonal = w.A.diagonal(); diagonal && !touching) {
+        Largest residual, force_scale;
+        take_diagonal(u.size(), diagonal->data(), u.data(), b.data(), {}, residual, force_scale);
+        set_stationarity(kkt, residual, force_scale);
+    } else {
+        take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+            if (touching) w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
+        });
+    }
     alignas(64) Buffer sum, size;
     w.touches.clear();
     for_each_block(w.B.size(), [&](Index block, Index first, Index count) {

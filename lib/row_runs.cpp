@@ -26,8 +26,8 @@ void store(double* x, const Lanes& v) { std::memcpy(x, &v, sizeof(v)); }
 
 /// `value_at(k, i, v)` loads what diagonal k holds in the rows from i on. A run has at least `lanes` rows: the last step
 /// goes back over some that are done and adds nothing to them.
-template <class ValueAt>
-void add_diagonals(std::size_t diagonals, Index count, double sign, const double* x, const Index* distance,
+template <bool with_size, class ValueAt>
+void add_diagonals(std::size_t diagonals, Index count, double factor, const double* x, const Index* distance,
                    ValueAt value_at, double* sum, double* size) {
     const Bits without_sign = Bits{} + std::numeric_limits<long>::max();
     const Bits lane = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -43,13 +43,15 @@ void add_diagonals(std::size_t diagonals, Index count, double sign, const double
             load(x + distance[k] + i, operand);
             const Lanes term = value * operand;
             total += term;
-            absolute += reinterpret_cast<Lanes>(reinterpret_cast<Bits>(term) & without_sign);
+            if constexpr (with_size) absolute += reinterpret_cast<Lanes>(reinterpret_cast<Bits>(term) & without_sign);
         }
         Lanes before;
         load(sum + i, before);
-        store(sum + i, before + sign * reinterpret_cast<Lanes>(reinterpret_cast<Bits>(total) & wanted));
-        load(size + i, before);
-        store(size + i, before + reinterpret_cast<Lanes>(reinterpret_cast<Bits>(absolute) & wanted));
+        store(sum + i, before + factor * reinterpret_cast<Lanes>(reinterpret_cast<Bits>(total) & wanted));
+        if constexpr (with_size) {
+            load(size + i, before);
+            store(size + i, before + reinterpret_cast<Lanes>(reinterpret_cast<Bits>(absolute) & wanted));
+        }
     }
 }
 
@@ -97,7 +99,8 @@ void RowRuns::add_single_rows(const SparseMatrix& transposed, Index first, Index
     single_start_.push_back(single_column_.size());
 }
 
-void RowRuns::add(Index block, double sign, const double* x, double* sum, double* size) const {
+template <bool with_size>
+void RowRuns::add_block(Index block, double factor, const double* x, double* sum, double* size) const {
     const auto b = static_cast<std::size_t>(block);
     for (auto r = first_run_[b]; r < first_run_[b + 1]; ++r) {
         const Run& run = runs_[r];
@@ -105,25 +108,45 @@ void RowRuns::add(Index block, double sign, const double* x, double* sum, double
         const double* value = value_.data() + run.value;
         const Index* distance = distance_.data() + run.start;
         double* const s = sum + (run.first - block * block_rows);
-        double* const z = size + (run.first - block * block_rows);
+        double* const z = with_size ? size + (run.first - block * block_rows) : nullptr;
         if (run.kind == Kind::single_rows) {
             const std::size_t* start = single_start_.data() + run.start;
             for (Index i = 0; i < run.count; ++i)
                 for (auto k = start[i]; k < start[i + 1]; ++k) {
                     const double term = single_value_[k] * x[single_column_[k]];
-                    s[i] += sign * term;
-                    z[i] += std::abs(term);
+                    s[i] += factor * term;
+                    if constexpr (with_size) z[i] += std::abs(term);
                 }
         } else if (run.kind == Kind::diagonals) {
             const auto at = [value, count = run.count](std::size_t k, Index i, Lanes& v) {
                 load(value + static_cast<Index>(k) * count + i, v);
             };
-            add_diagonals(run.entries, run.count, sign, operand, distance, at, s, z);
+            add_diagonals<with_size>(run.entries, run.count, factor, operand, distance, at, s, z);
         } else {
             const auto at = [value](std::size_t k, Index, Lanes& v) { v = value[k] - Lanes{}; };
-            add_diagonals(run.entries, run.count, sign, operand, distance, at, s, z);
+            add_diagonals<with_size>(run.entries, run.count, factor, operand, distance, at, s, z);
         }
     }
+}
+
+void RowRuns::add(Index block, double sign, const double* x, double* sum, double* size) const {
+    add_block<true>(block, sign, x, sum, size);
+}
+
+void RowRuns::add_product(double factor, const double* x, double* sum) const {
+    for (Index block = 0; block + 1 < static_cast<Index>(first_run_.size()); ++block)
+        add_block<false>(block, factor, x, sum + block * block_rows, nullptr);
+}
+
+RepeatedProduct::RepeatedProduct(const Matrix& A) : A_(A) {
+    if (const SparseMatrix* entries = A.sparse()) runs_ = RowRuns(entries->transpose());
+}
+
+void RepeatedProduct::add(double factor, const ConstVectorRef& x, VectorRef y) const {
+    if (A_.sparse())
+        runs_.add_product(factor, x.data(), y.data());
+    else
+        A_.multiply(x, y, factor, 1);
 }
 
 }  // namespace tact

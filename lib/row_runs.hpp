@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tact/lib/types.hpp"
+#include "tact/lib/matrix.hpp"
 
 namespace tact {
 
@@ -22,6 +22,8 @@ public:
 
     /// sum += sign A x and size += |A||x| for the rows of one block, both counted from the block's first row.
     void add(Index block, double sign, const double* x, double* sum, double* size) const;
+    /// sum += factor A x, all rows.
+    void add_product(double factor, const double* x, double* sum) const;
 
 private:
     enum class Kind { single_rows, diagonals, equal_rows };
@@ -34,6 +36,8 @@ private:
     };
     void add_run(const SparseMatrix& transposed, Index first, Index count);
     void add_single_rows(const SparseMatrix& transposed, Index first, Index count);
+    template <bool with_size>
+    void add_block(Index block, double factor, const double* x, double* sum, double* size) const;
 
     std::vector<Run> runs_;
     std::vector<std::size_t> first_run_{0};  // of each block
@@ -42,6 +46,17 @@ private:
     std::vector<std::size_t> single_start_;
     std::vector<int> single_column_;
     std::vector<double> single_value_;
+};
+
+/// y += factor A x for an A that is multiplied in every step: a sparse one is kept once more, as runs of rows.
+class RepeatedProduct {
+public:
+    explicit RepeatedProduct(const Matrix& A);
+    void add(double factor, const ConstVectorRef& x, VectorRef y) const;
+
+private:
+    Matrix A_;
+    RowRuns runs_;
 };
 
 }  // namespace tact

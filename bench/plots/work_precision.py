@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 STYLE = {
     "bdf2": ("#0b3c5d", "o"), "bdf2-without-jump": ("#1b9e77", "s"), "trapezoid": ("#d95f0e", "D"),
-    "trapezoid:rho=0.3": ("#fdae6b", "d"), "moreau-jean": ("#7f7f7f", "X"), "ida-fixed": ("#6aaed6", "."), "ida": ("#2171b5", "^"),
+    "central-difference": ("#e6194b", "h"), "trapezoid:rho=0.3": ("#fdae6b", "d"), "moreau-jean": ("#7f7f7f", "X"), "ida-fixed": ("#6aaed6", "."), "ida": ("#2171b5", "^"),
     "sdirk2": ("#dd1c77", "v"), "tr-bdf2": ("#8c6bb1", "<"), "esdirk32": ("#b8860b", ">"), "sdirk54": ("#000000", "p"),
     "GSL msbdf": ("#4d9221", "1"), "GSL msadams": ("#7fbc41", "2"), "GSL rk8pd": ("#c51b7d", "3"),
     "Siconos moreau-jean": ("#7f7f7f", "4"),

@@ -9,6 +9,7 @@
 #include "tact/integrators/arkode.hpp"
 #include "tact/integrators/bdf2.hpp"
 #include "tact/integrators/bdf2_without_jump.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/integrators/ida.hpp"
 #include "tact/integrators/moreau_jean.hpp"
 #include "tact/integrators/trapezoid.hpp"
@@ -21,6 +22,8 @@ inline NamedIntegrators every_integrator() {
     NamedIntegrators all{{"bdf2", std::make_shared<Bdf2>()},
                          {"bdf2-without-jump", std::make_shared<Bdf2WithoutJump>()},
                          {"bdf2-without-jump:e=0.5", std::make_shared<Bdf2WithoutJump>(0.5)},
+                         {"central-difference", std::make_shared<CentralDifference>()},
+                         {"central-difference:e=0.5", std::make_shared<CentralDifference>(0.5)},
                          {"trapezoid", std::make_shared<Trapezoid>()},
                          {"trapezoid:e=0.5", std::make_shared<Trapezoid>(Trapezoid::Options{1, 0.5})},
                          {"trapezoid:rho=0.3", std::make_shared<Trapezoid>(Trapezoid::Options{0.3, 0})},

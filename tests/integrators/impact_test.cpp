@@ -7,6 +7,7 @@
 #include "tact/integrators/arkode.hpp"
 #include "tact/integrators/bdf2.hpp"
 #include "tact/integrators/bdf2_without_jump.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/integrators/ida.hpp"
 #include "tact/integrators/moreau_jean.hpp"
 #include "tact/integrators/trapezoid.hpp"
@@ -34,7 +35,8 @@ ContactProblem thrown_mass(double height) {
 
 std::vector<std::shared_ptr<const Integrator>> with_impact_law(double e) {
     return {std::make_shared<Trapezoid>(Trapezoid::Options{1, e}),
-            std::make_shared<Trapezoid>(Trapezoid::Options{0.3, e}), std::make_shared<Bdf2WithoutJump>(e)};
+            std::make_shared<Trapezoid>(Trapezoid::Options{0.3, e}), std::make_shared<Bdf2WithoutJump>(e),
+            std::make_shared<CentralDifference>(e)};
 }
 
 /// SUNDIALS' integrators with the same law.

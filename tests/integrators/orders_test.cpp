@@ -8,6 +8,7 @@
 #include "tact/integrators/arkode.hpp"
 #include "tact/integrators/bdf2.hpp"
 #include "tact/integrators/bdf2_without_jump.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/integrators/ida.hpp"
 #include "tact/integrators/moreau_jean.hpp"
 #include "tact/integrators/quasi_static.hpp"
@@ -30,6 +31,7 @@ std::vector<Expected> integrators() {
     all.push_back({std::make_shared<Trapezoid>(), 2, 2, 2, 2, 0.5});
     all.push_back({std::make_shared<Trapezoid>(Trapezoid::Options{0.3, 0}), 2, 2, 2, 2, 0.5});
     all.push_back({std::make_shared<Bdf2WithoutJump>(), 2, 2, 2, 2, 0.5});
+    all.push_back({std::make_shared<CentralDifference>(), 2, 2, 2, 2, 0.5});
     all.push_back({std::make_shared<MoreauJean>(), 2, 2, 2, 2, 0.5});
     all.push_back({std::make_shared<Arkode>(sdirk2())});
     all.push_back({std::make_shared<Arkode>(tr_bdf2())});

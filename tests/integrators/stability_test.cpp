@@ -160,8 +160,9 @@ TEST(Stability, OneStepMethodsGoOnFromAStateAsIfNeverInterrupted) {
     // To rounding: the second grid reckons its times from t0, and tables start from y instead of the last stage's slope.
     const ContactProblem problem = thrown_plates(6);
     std::vector<std::shared_ptr<const Integrator>> methods{
-        std::make_shared<Trapezoid>(), std::make_shared<Trapezoid>(Trapezoid::Options{1, 0.5}),
-        std::make_shared<MoreauJean>(), std::make_shared<Arkode>(sdirk2()), std::make_shared<Arkode>(sdirk54())};
+        std::make_shared<Trapezoid>(),         std::make_shared<Trapezoid>(Trapezoid::Options{1, 0.5}),
+        std::make_shared<CentralDifference>(), std::make_shared<MoreauJean>(),
+        std::make_shared<Arkode>(sdirk2()),    std::make_shared<Arkode>(sdirk54())};
     for (const auto& method : methods) {
         const double dt = 2e-4;
         ContactWorkspace workspace(std::make_shared<DenseContact>());

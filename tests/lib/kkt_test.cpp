@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -104,6 +105,16 @@ TEST(KktResiduals, ZeroOverZeroIsZeroAndNaNIsInfinite) {
     EXPECT_EQ(kkt_residuals(I, I, zero, zero, nan, zero).largest(), infinity);
     EXPECT_EQ(kkt_residuals(I, I, nan, zero, zero, zero).largest(), infinity);
     EXPECT_EQ(kkt_residuals(I, I, zero, zero, zero, nan).largest(), infinity);
+}
+
+TEST(KktResiduals, WhereTermsOverflowNoGapIsCalledClosed) {
+    const double huge = std::numeric_limits<double>::max();
+    DenseMatrix B(1, 1);
+    B << huge;
+    const Vector one = Vector::Ones(1), none = Vector::Zero(1);
+    // u >= 1, and u = .26: |B||u| + |c| is infinite.
+    const KktResiduals kkt = kkt_residuals(Matrix::identity(1), Matrix(B), 0.26 * one, huge * one, 0.26 * one, none);
+    EXPECT_EQ(kkt.largest(), infinity);
 }
 
 TEST(KktResiduals, WhatHasDecayedIntoUnderflowCountsAsZero) {
