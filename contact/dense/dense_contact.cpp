@@ -48,7 +48,7 @@ public:
         ContactReport report;
         report.strategy = "dense Goldfarb-Idnani";
         solve_freely(b);
-        if (few_ && few_->solve(report, b, c, u_, point, acceptable)) return report;
+        if (few_ && few_->solve(report, b, c, u_, point, sharp)) return report;
         report = {};
         report.strategy = "dense Goldfarb-Idnani";
         solve_freely(b);
@@ -97,7 +97,7 @@ public:
         if (rows_.compliance.size() > 0) w_ = c - rows_.compliance.cwiseProduct(lambda_);
         const ConstVectorRef bound = rows_.compliance.size() > 0 ? ConstVectorRef(w_) : c;
         // NaN in b or c ends here, as does an A that is singular in all but name.
-        if (!doubtful) certify(report, accept_.residuals(), b, bound, u_, lambda_, acceptable, gap_size, point);
+        if (!doubtful) certify(report, accept_.residuals(), b, bound, u_, lambda_, sharp, gap_size, point);
         if (!doubtful && report.outcome == Outcome::converged) return report;
         report.outcome = Outcome::converged;
         accept_.certify(report, b, bound, u_, lambda_, acceptable, reach, point);
@@ -106,6 +106,8 @@ public:
 
 private:
     static constexpr double acceptable = 1e-9;
+    /// Beyond this rows are judged one by one: the largest of them may hide what is wrong in the others.
+    static constexpr double sharp = 1e-12;
 
     /// u = A^-1 b
     void solve_freely(const ConstVectorRef& b) {

@@ -5,10 +5,12 @@
 #include <memory>
 
 #include "tact/contact/automatic.hpp"
+#include "tact/contact/dense/dense_contact.hpp"
 #include "tact/contact/dense/orthogonal_contact.hpp"
 #include "tact/contact/klu_active_set.hpp"
 #include "tact/contact/principal_pivoting.hpp"
 #include "tact/contact/proximal_contact.hpp"
+#include "tact/tests/laws/judge.hpp"
 #include "tact/tests/laws/quadratic_programs.hpp"
 
 namespace tact::laws {
@@ -275,6 +277,21 @@ TEST(HardProblems, KluAndPrincipalPivotingRefuseANegativeDiagonal) {
             for (const ContactSolver* solver : std::initializer_list<const ContactSolver*>{&klu, &pivoting})
                 EXPECT_THROW((void)solver->prepare(kind, B), InputError);
     EXPECT_NO_THROW((void)KluActiveSet().prepare(Matrix(DenseMatrix{{1.0, 3.0}, {-3.0, 1.0}}), B));
+}
+
+TEST(HardProblems, ALargeRowDoesNotHideAViolatedSmallOne) {
+    // Two equalities, one of them large, and an A that is singular in all but name (found by fuzzing).
+    QuadraticProgram qp{
+        DenseMatrix{{67108867.0625, 2.591091257800466e+19}, {2.591091257800466e+19, 2.0000000000000002e31}},
+        DenseMatrix{{8192, -421696503428.58228}, {-8192, 421696503428.58228}, {-12, -12}, {12, 12}, {-12, -12}},
+        Vector::Constant(2, -12), Vector{{-12, 12, -12, 12, -12}}};
+    const DenseContact dense;
+    const AutomaticContact automatic;
+    for (const ContactSolver* solver : std::initializer_list<const ContactSolver*>{&dense, &automatic}) {
+        const Solved s = solve(*solver, qp);
+        const std::string why = fault(qp, s.report, s.u, s.lambda, Vector::Zero(2));
+        EXPECT_EQ(why, "") << to_string(s.report.outcome) << " by " << s.report.strategy;
+    }
 }
 
 TEST(HardProblems, AGuessWhoseMultipliersOverflowEndsWithoutAnAnswer) {
