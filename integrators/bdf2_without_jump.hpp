@@ -12,9 +12,11 @@ namespace tact {
 /// what the step would have come from, had it moved freely to where it ended. First step backward Euler (a = 1/h).
 ///
 /// Equal to Bdf2 in free flight; order 2 in smooth motion; penetration zero, restitution e whatever the phase of the
-/// impact. No energy theorem for e = 0: a single step may gain some (.16 of E0 was the most in random stiff systems, never
-/// above E0 there; bars were at 2.3 E0 for the one free step after an impact where h was the first period, at 5 E0 where
-/// it was 15). For e > 0 a safeguard keeps E from growing in steps that end in contact. M is needed: second order only.
+/// impact. With constant gaps a safeguard looks at the energy from the first step that ends in contact to the second
+/// free one: where it would exceed what there was before plus the work of the load (bars whose first period is no longer than h:
+/// by up to 4 E0 in the free step after an impact), the step is taken again by the theta-method with theta = 2/3, which
+/// has the same matrix and gains none at any h. Steps that resolve the motion never need it. For e > 0 another one acts
+/// in steps that end in contact (impact.hpp). M is needed: second order only.
 class Bdf2WithoutJump final : public Integrator {
 public:
     /// InputError unless 0 <= e <= 1.

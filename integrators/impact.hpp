@@ -29,12 +29,13 @@ public:
     /// From `momentum` = M w, and `next` with u and the position multipliers (> 0: a closed row), its v and, in
     /// lambda, the impulse over h. Without closed rows v = w and lambda = 0.
     ContactReport project(const State& before, const ConstVectorRef& momentum, double h, State& next);
+    /// What a step gained in mechanical energy beyond the work of its load (trapezoid rule).
+    double excess_energy(const State& before, const State& next);
 
 private:
     void closed_rates(const ConstVectorRef& v, Vector& out) const;
     ContactReport solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse);
     ContactReport keep_energy(const State& before, State& next);
-    double excess_energy(const State& before, const State& next);
 
     const ContactProblem& problem_;
     ContactWorkspace& workspace_;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
 #include "tact/integrators/arkode.hpp"
 #include "tact/integrators/bdf2.hpp"
@@ -13,6 +14,7 @@
 #include "tact/integrators/trapezoid.hpp"
 #include "tact/lib/energy.hpp"
 #include "tact/lib/impact_ledger.hpp"
+#include "tact/lib/scenes/bar.hpp"
 #include "tact/tests/integrators/random_systems.hpp"
 
 namespace tact {
@@ -136,6 +138,28 @@ TEST(Impact, TheSafeguardKeepsEnergyForAnyRestitutionAndDamping) {
             const double now = energy(p, run->state());
             EXPECT_LE(now - before, 1e-11 * start) << k << " step " << n << " e " << e;
             before = now;
+        }
+    }
+}
+
+TEST(Impact, Bdf2WithoutJumpNeverExceedsTheEnergyItStartedWith) {
+    // Bars of all stiffnesses, whose first period is up to 300 times shorter than a step or 70 times longer, and random
+    // systems: energy may pass from motion to strain and back, but there is no load that could add any.
+    std::mt19937_64 random(6);
+    std::vector<std::pair<ContactProblem, TimeGrid>> cases;
+    for (int k = -2; k <= 5; ++k)
+        for (const double h : {0.0063, 0.01, 0.17, 0.7})
+            cases.emplace_back(bar_impact(40, {.modulus = 900 * std::pow(10.0, k)}).problem, TimeGrid{h, 150});
+    for (int k = 0; k < 1000; ++k) cases.emplace_back(testing::random_stiff_system(random), TimeGrid{1, 20});
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+        const auto& [p, grid] = cases[k];
+        const Bdf2WithoutJump method(0.5 * static_cast<double>(k % 3));
+        ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+        const auto run = method.start(p, grid, workspace);
+        const double start = energy(p, run->state());
+        for (long n = 0; n < grid.steps; ++n) {
+            ASSERT_EQ(run->advance().outcome, Outcome::converged) << k;
+            EXPECT_LE(energy(p, run->state()), start * (1 + 1e-6)) << k << ", step " << n;  // u'K u rounds
         }
     }
 }
