@@ -9,6 +9,7 @@
 #include "tact/bench/timing.hpp"
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/lib/errors.hpp"
 #include "tact/rom/training/compressed_basis.hpp"
 #include "tact/rom/training/sampling.hpp"
@@ -119,22 +120,38 @@ Json row_of(const Ladder& wanted, const char* model, const std::string& method, 
             {"error_norm_percent", 10 * std::sqrt(error)}};
 }
 
+const std::string explicit_method = "central-difference";
+
+/// The ladder's steps; of the explicit method the largest that is stable on this grid and meets the output times: what is
+/// left of the error then is the grid's.
+std::vector<double> steps_of(const Ladder& wanted, const std::string& method, Index n) {
+    if (wanted.steps.empty()) return {0};
+    if (method != explicit_method) return wanted.steps;
+    const StudyScene scene = study_scene(wanted.scene, n);
+    const ContactProblem problem = scene.family->at(asked(*scene.family));
+    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    const double between = wanted.t_end / wanted.output_times;
+    return {between / std::ceil(between / CentralDifference::largest_step(problem, workspace))};
+}
+
 void add_full(Json& rows, const Ladder& wanted, const DenseMatrix& reference) {
-    const std::vector<double> steps = wanted.steps.empty() ? std::vector<double>{0} : wanted.steps;
-    const auto& methods = methods_of(wanted);
+    std::vector<std::string> methods = methods_of(wanted);
+    if (!wanted.steps.empty()) methods.push_back(explicit_method);
     Progress progress("tradeoff: " + wanted.scene + ": full models",
-                      static_cast<double>(methods.size() * steps.size() * wanted.sides.size()));
+                      static_cast<double>(methods.size() * wanted.sides.size()));
     for (const std::string& method : methods)
-        for (const Index n : wanted.sides)
-            for (const double dt : steps) {
+        for (const Index n : wanted.sides) {
+            for (const double dt : steps_of(wanted, method, n)) {
                 double seconds = 0;
                 const double error = squared_percent(full_run(wanted, method, n, dt, &seconds), reference);
                 Json row = row_of(wanted, "full", method, n, dt, error);
                 row["seconds"] = seconds;
-                row["training_model"] = n == wanted.sides.back() && dt == steps.back();
+                row["training_model"] =
+                    n == wanted.sides.back() && (wanted.steps.empty() || dt == wanted.steps.back());
                 rows.push_back(row);
-                progress.add(1);
             }
+            progress.add(1);
+        }
 }
 
 struct Recipe {

@@ -7,7 +7,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-COLOURS = {"none": "#1b6ca8", "bdf2": "#1b6ca8", "trapezoid": "#d95f0e", "bdf2-without-jump": "#1b9e77"}
+COLOURS = {"none": "#1b6ca8", "bdf2": "#1b6ca8", "trapezoid": "#d95f0e", "bdf2-without-jump": "#1b9e77",
+           "central-difference": "#e6194b"}
 MARKERS = {"full": "o", "NNMF": "s", "selected rows": "D"}
 
 
