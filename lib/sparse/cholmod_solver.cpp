@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tact/lib/errors.hpp"
+#include "tact/lib/sparse/band_factor.hpp"
 #include "tact/lib/sparse/supernodal_factor.hpp"
 
 namespace tact {
@@ -133,6 +134,24 @@ private:
     mutable std::vector<Repeated> repeated_;
 };
 
+class NarrowFactor final : public Factor {
+public:
+    explicit NarrowFactor(const SparseMatrix& A)
+        : factor_(A, "the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) + " sparse matrix") {}
+    Index size() const override { return factor_.size(); }
+    void solve(Eigen::Ref<DenseMatrix> B) const override {
+        for (Index j = 0; j < B.cols(); ++j) factor_.solve(B.col(j).data());
+    }
+
+private:
+    BandFactor factor_;
+};
+
+std::unique_ptr<const Factor> factor_of(const SparseMatrix& A) {
+    if (BandFactor::half_width(A) <= BandFactor::widest) return std::make_unique<NarrowFactor>(A);
+    return std::make_unique<CholmodFactor>(A, identical_blocks(A));
+}
+
 bool repeats(const SparseMatrix& A, Index size, Index count) {
     const auto* outer = A.outerIndexPtr();
     const auto* inner = A.innerIndexPtr();
@@ -169,9 +188,8 @@ std::unique_ptr<const Factor> CholmodSolver::factorize(const Matrix& A) const {
     if (A.rows() != A.cols() || A.rows() == 0)
         throw InputError("CholmodSolver: A is " + A.shape() + ", expected square and not empty");
     if (!A.is_symmetric()) throw InputError("CholmodSolver: A is " + A.shape() + " and not symmetric; use KluSolver");
-    if (const SparseMatrix* S = A.sparse()) return std::make_unique<CholmodFactor>(*S, identical_blocks(*S));
-    const SparseMatrix copy = A.to_sparse();
-    return std::make_unique<CholmodFactor>(copy, identical_blocks(copy));
+    if (const SparseMatrix* S = A.sparse()) return factor_of(*S);
+    return factor_of(A.to_sparse());
 }
 
 }  // namespace tact

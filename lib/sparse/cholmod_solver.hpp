@@ -6,7 +6,8 @@
 namespace tact {
 
 /// Supernodal sparse Cholesky factorisation (CHOLMOD; its supernodal part is GPL). A matrix whose diagonal falls into
-/// identical contiguous blocks (two equal bodies) is factored once and solved for all blocks together.
+/// identical contiguous blocks (two equal bodies) is factored once and solved for all blocks together. Bands of up to
+/// BandFactor::widest diagonals beside the main one need no library: they get a BandFactor.
 /// InputError unless A is square and symmetric; NumericalError "not positive definite" with the column.
 class CholmodSolver final : public LinearSolver {
 public:
