@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <utility>
 
 #include "tact/bench/basis_recipes.hpp"
 #include "tact/bench/interrupt.hpp"
@@ -97,7 +99,18 @@ void hold_static_modes(const Setting& setting, const ContactProblem& problem, In
     recipe.sizes.p -= recipe.primal.held.cols();
 }
 
-Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const DualBasis& dual, Index p, int repeats) {
+/// Both bases of a member, and the family in them.
+struct Made {
+    ReducedBasis basis;
+    std::unique_ptr<ContactFamily> reduced;
+    double seconds = 0;
+};
+
+std::shared_ptr<const DenseContact> contact_of(const BasisStudyRecipe& recipe) {
+    return std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance});
+}
+
+Made make(const Setting& setting, const BasisStudyRecipe& recipe, const DualBasis& dual, Index p) {
     const ContactFamily& family = *setting.study.scene.family;
     const Scheme& scheme = setting.scheme;
     BasisRecipe wanted;
@@ -107,26 +120,29 @@ Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const Dua
     wanted.supremizers.share = recipe.supremizers;
     wanted.supremizers.linear = std::make_shared<CholmodSolver>();
     wanted.supremizers.a = scheme.integrator ? 1.5 / scheme.grid.dt : 0;
-
-    const auto dense = std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance});
     TrainingError training_error(family, {scheme.integrator, scheme.grid},
-                                 {std::make_shared<AutomaticContact>(), dense}, setting.samples);
+                                 {std::make_shared<AutomaticContact>(), contact_of(recipe)}, setting.samples);
     if (recipe.swaps > 0)
         wanted.dual_basis = selected_rows({.tries = recipe.swaps, .error = std::ref(training_error)});
 
-    Member member;
-    ReducedBasis basis;
-    std::unique_ptr<ContactFamily> reduced;
-    member.training_seconds = seconds_of([&] {
+    Made made;
+    made.seconds = seconds_of([&] {
         const ContactProblem problem = family.at(setting.samples.front());
         if (recipe.bodies) wanted.primal.body_of = connected_bodies(problem.K);
         hold_static_modes(setting, problem, std::lround(recipe.static_modes * static_cast<double>(p)), wanted);
-        basis = compressed_basis(problem, setting.snapshots.primal, setting.snapshots.dual, wanted).basis;
-        reduced = reduce(family, basis);
+        made.basis = compressed_basis(problem, setting.snapshots.primal, setting.snapshots.dual, wanted).basis;
+        made.reduced = reduce(family, made.basis);
     });
-    member.p = basis.primal_size();
-    member.p_lambda = basis.dual_size();
-    const ReducedErrors errors = setting.references.errors(basis, *reduced, dense);
+    return made;
+}
+
+Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const Made& made, int repeats) {
+    const auto dense = contact_of(recipe);
+    Member member;
+    member.training_seconds = made.seconds;
+    member.p = made.basis.primal_size();
+    member.p_lambda = made.basis.dual_size();
+    const ReducedErrors errors = setting.references.errors(made.basis, *made.reduced, dense);
     member.outcome = errors.outcome;
     if (errors.outcome != Outcome::converged) return member;
     member.error = errors.worst();
@@ -134,19 +150,15 @@ Member measure(const Setting& setting, const BasisStudyRecipe& recipe, const Dua
     member.penetration = errors.penetration;
     member.kkt = errors.worst_kkt;
     ContactWorkspace workspace(dense);
-    member.us_per_step = 1e6 * online_seconds(setting, basis, *reduced, workspace, repeats);
+    member.us_per_step = 1e6 * online_seconds(setting, made.basis, *made.reduced, workspace, repeats);
     return member;
 }
 
-Json row_of(const Setting& setting, const BasisStudyRecipe& recipe, const std::vector<Index>& sizes, int repeats) {
-    std::vector<Member> members;
+Json row_of(const Setting& setting, const BasisStudyRecipe& recipe, const std::vector<Index>& sizes,
+            const std::vector<Member>& members) {
     Outcome outcome = Outcome::converged;
-    for (const Index p : sizes)
-        for (const DualBasis& dual : recipe.members) {
-            throw_if_interrupted();
-            members.push_back(measure(setting, recipe, dual, p, repeats));
-            if (members.back().outcome != Outcome::converged) outcome = members.back().outcome;
-        }
+    for (const Member& member : members)
+        if (member.outcome != Outcome::converged) outcome = member.outcome;
     const Member& middle = members[members.size() / 2];
     Json row{{"scene", setting.study.scene.name},
              {"integrator", setting.integrator},
@@ -179,6 +191,49 @@ Json row_of(const Setting& setting, const BasisStudyRecipe& recipe, const std::v
     put("training_seconds", median(collect(&Member::training_seconds)));
     put("kkt_residual", *std::ranges::max_element(residuals));
     return row;
+}
+
+using Recipes = std::vector<const BasisStudyRecipe*>;
+
+/// The members of recipes that make the same bases, [recipe][member].
+std::vector<std::vector<Member>> measure_all(const Setting& setting, const Recipes& recipes,
+                                             const std::vector<Index>& sizes, int repeats) {
+    std::vector<std::vector<Member>> members(recipes.size());
+    for (const Index p : sizes)
+        for (const DualBasis& dual : recipes.front()->members) {
+            throw_if_interrupted();
+            const Made made = make(setting, *recipes.front(), dual, p);
+            for (std::size_t k = 0; k < recipes.size(); ++k)
+                members[k].push_back(measure(setting, *recipes[k], made, repeats));
+        }
+    return members;
+}
+
+/// By recipe, then by size, of which all have the paper's.
+Json rows_of(const Setting& setting, const Recipes& recipes, const std::vector<std::vector<Index>>& sizes,
+             int repeats) {
+    const std::size_t paper_size = std::min<std::size_t>(1, sizes.size() - 1);
+    std::map<std::pair<std::size_t, std::size_t>, Json> rows;
+    Progress progress(setting.study.scene.name + ", " + setting.integrator + ": bases",
+                      static_cast<double>(recipes.size() * sizes.size()));
+    for (std::size_t first = 0; first < recipes.size(); ++first)
+        for (std::size_t k = 0; k < sizes.size(); ++k, progress.add(1)) {
+            if (rows.contains({first, k})) continue;
+            std::vector<std::size_t> places;
+            Recipes alike;
+            for (std::size_t r = first; r < recipes.size(); ++r)
+                if (recipes[r]->same_bases(*recipes[first]) && (recipes[r]->every_size || k == paper_size)) {
+                    places.push_back(r);
+                    alike.push_back(recipes[r]);
+                }
+            if (alike.empty()) continue;
+            const auto members = measure_all(setting, alike, sizes[k], repeats);
+            for (std::size_t i = 0; i < alike.size(); ++i)
+                rows[{places[i], k}] = row_of(setting, *alike[i], sizes[k], members[i]);
+        }
+    Json list = Json::array();
+    for (auto& [place, row] : rows) list.push_back(std::move(row));
+    return list;
 }
 
 void mark_pareto(Json& rows) {
@@ -260,7 +315,6 @@ Json run_bases(const BasesOptions& options) {
     for (const std::string& name : wanted_scenes("bases", options.scenes)) {
         const PaperStudy study = paper_study(name, options.small);
         const std::vector<std::vector<Index>> sizes = sizes_of(name, options.small);
-        const std::size_t paper_size = std::min<std::size_t>(1, sizes.size() - 1);
         const std::vector<TrainingSet> sets = training_sets(study);
         std::vector<std::string> integrators{"bdf2", "trapezoid", "bdf2-without-jump"};
         if (!options.integrators.empty()) integrators = options.integrators;
@@ -284,21 +338,15 @@ Json run_bases(const BasesOptions& options) {
                                              {"contact_snapshots", setting.snapshots.dual.size()},
                                              {"test_parameters", references.parameters().size()},
                                              {"seconds_full", setting.snapshots.seconds}});
-                std::vector<const BasisStudyRecipe*> chosen;
+                Recipes chosen;
                 for (const BasisStudyRecipe& recipe : basis_recipes())
                     if (fits(recipe, study, method) &&
                         (options.recipes.empty()
                              ? !recipe.only_if_named()
                              : std::ranges::find(options.recipes, recipe.name) != options.recipes.end()))
                         chosen.push_back(&recipe);
-                Progress progress(name + ", " + method + ": bases",
-                                  static_cast<double>(chosen.size() * sizes.size()));
-                for (const BasisStudyRecipe* recipe : chosen)
-                    for (std::size_t k = 0; k < sizes.size(); ++k) {
-                        if (recipe->every_size || k == paper_size)
-                            json["rows"].push_back(row_of(setting, *recipe, sizes[k], options.repeats));
-                        progress.add(1);
-                    }
+                for (Json& row : rows_of(setting, chosen, sizes, options.repeats))
+                    json["rows"].push_back(std::move(row));
             }
         }
     }

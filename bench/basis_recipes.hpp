@@ -21,6 +21,8 @@ struct BasisStudyRecipe {
     int swaps = 0;            ///< tries, of selected rows
     double static_modes = 0;  ///< of p: the share of static modes, under the load and at selected rows
 
+    /// Whether both make the same bases, member by member: only what runs on them differs.
+    bool same_bases(const BasisStudyRecipe& other) const;
     /// Variants of the primal basis and of the rows: minutes, and not for the diagram.
     bool only_if_named() const { return bodies || swaps > 0 || static_modes > 0; }
 };
