@@ -128,7 +128,7 @@ private:
     void guess() {
         if (!stages_.reads_guess() && !problem_.r) return;
         older_ = next_.u();
-        if (now_.step >= 2)
+        if (now_.step >= 2 && oldest_.size() > 0)  // what solved the first step may have read no guess
             next_.u() = 3 * now_.u() - 3 * older_ + oldest_;
         else
             next_.u() = now_.u() + grid_.dt * now_.v();
