@@ -142,7 +142,7 @@ Json bouncing_runs(Index elements, double periods) {
     Json runs = Json::array();
     std::vector<PrecisionMethod> fixed;
     for (const PrecisionMethod& method : precision_methods())
-        if (!method.adaptive) fixed.push_back(method);
+        if (!method.adaptive && !method.explicit_steps) fixed.push_back(method);  // these steps are long
     const std::vector<long> steps_a_period{300, 1200};
     Progress progress("bouncing-bar: " + digits(periods) + " periods",
                       2 * static_cast<double>(fixed.size() * steps_a_period.size()));
