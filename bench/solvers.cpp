@@ -64,6 +64,7 @@ void measure_scene(Json& json, const std::string& scene, const SolversOptions& o
     const Index side = options.side > 0 ? options.side : !options.small ? 0 : plates ? 40 : 60;
     TimingOptions timing;
     timing.repeats = options.repeats;
+    if (options.small) timing.enough = 1;
     for (const SolverProblem& problem : solver_problems(scene, side)) {
         json["problems"].push_back(describe(problem));
         const auto count = contact_solvers().size() + (petsc ? petsc_methods().size() : 0) + 1;
