@@ -2,12 +2,25 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 #include <utility>
 
 #include "tact/lib/errors.hpp"
 
 namespace tact {
+
+void Factor::compliance(const SparseMatrix& R, Index first, Eigen::Ref<DenseMatrix> S) const {
+    constexpr Index batch = 32;  // right-hand sides that fill a solve
+    for (Index j = first; j < R.cols(); j += batch) {
+        const Index count = std::min(batch, R.cols() - j);
+        DenseMatrix X = R.middleCols(j, count);
+        solve(X);
+        for (Index k = 0; k < count; ++k)
+            for (Index i = 0; i <= j + k; ++i) S(i, j + k) = R.col(i).dot(X.col(k));
+    }
+}
+
 namespace {
 
 class DiagonalFactor final : public Factor {

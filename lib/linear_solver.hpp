@@ -14,6 +14,9 @@ public:
     virtual Index size() const = 0;
     /// B := A^-1 B in place, column by column; B has size() rows.
     virtual void solve(Eigen::Ref<DenseMatrix> B) const = 0;
+    /// S(i, j) := r_i' A^-1 r_j for the columns r of R, i <= j, j from `first` on; R has size() rows, S at least as many
+    /// rows and columns as R has columns.
+    virtual void compliance(const SparseMatrix& R, Index first, Eigen::Ref<DenseMatrix> S) const;
 };
 
 /// A recipe for factorising. Throws NumericalError that names the matrix if it is singular (or, for a Cholesky

@@ -1,8 +1,9 @@
 // One solve with a sparse Cholesky factor: CholmodSolver's own triangular solves against Eigen's, on one plate, on two and on
-// the static membrane.
+// the static membrane. And S = B A^-1 B' of a disc of rows: on the paths they reach against whole columns.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
 
 #include "tact/lib/scenes/membrane.hpp"
 #include "tact/lib/scenes/plates.hpp"
@@ -54,6 +55,42 @@ void eigen(benchmark::State& state, Matrix (*matrix)()) {
     }
 }
 
+/// The rows of the plates' B that are nearest to the load.
+SparseMatrix touched_rows(Index count) {
+    const ContactProblem problem = two_plates(100).problem;
+    std::vector<std::pair<double, Index>> by_distance;
+    for (Index i = 0; i < 10000; ++i) {
+        const double x = static_cast<double>(i % 100 + 1) / 101 - 0.3,
+                     y = static_cast<double>(i / 100 + 1) / 101 - 0.4;
+        by_distance.emplace_back(x * x + y * y, i);
+    }
+    std::sort(by_distance.begin(), by_distance.end());
+    const SparseMatrix Bt = problem.B.to_sparse().transpose();
+    SparseMatrix R(Bt.rows(), count);
+    for (Index j = 0; j < count; ++j) R.col(j) = Bt.col(by_distance[static_cast<std::size_t>(j)].second);
+    return R;
+}
+
+void compliance_on_paths(benchmark::State& state) {
+    const SparseMatrix R = touched_rows(state.range(0));
+    const auto factor = CholmodSolver().factorize(plates());
+    DenseMatrix S(R.cols(), R.cols());
+    for (auto _ : state) {
+        factor->compliance(R, 0, S);
+        benchmark::DoNotOptimize(S.data());
+    }
+}
+
+void compliance_by_columns(benchmark::State& state) {
+    const SparseMatrix R = touched_rows(state.range(0));
+    const auto factor = CholmodSolver().factorize(plates());
+    DenseMatrix S(R.cols(), R.cols());
+    for (auto _ : state) {
+        factor->Factor::compliance(R, 0, S);
+        benchmark::DoNotOptimize(S.data());
+    }
+}
+
 void factorize(benchmark::State& state, Matrix (*matrix)()) {
     const Matrix A = matrix();
     for (auto _ : state) benchmark::DoNotOptimize(CholmodSolver().factorize(A));
@@ -64,6 +101,8 @@ BENCHMARK_CAPTURE(eigen, one_plate, one_plate)->Arg(1)->Arg(2)->Arg(4)->Arg(16)-
 BENCHMARK_CAPTURE(ours, plates, plates)->Arg(1)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(ours, membrane, static_membrane)->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(eigen, membrane, static_membrane)->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMicrosecond);
+BENCHMARK(compliance_on_paths)->Arg(16)->Arg(370)->Unit(benchmark::kMicrosecond);
+BENCHMARK(compliance_by_columns)->Arg(16)->Arg(370)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(factorize, plates, plates)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(factorize, membrane, static_membrane)->Unit(benchmark::kMillisecond);
 

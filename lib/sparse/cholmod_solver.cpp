@@ -3,12 +3,14 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "tact/lib/errors.hpp"
 #include "tact/lib/sparse/band_factor.hpp"
+#include "tact/lib/sparse/compliance.hpp"
 #include "tact/lib/sparse/supernodal_factor.hpp"
 
 namespace tact {
@@ -110,6 +112,11 @@ public:
             for (Index i = 0; i < n_; ++i) x[i] = sign * from[i];
     }
 
+    void compliance(const SparseMatrix& R, Index first, Eigen::Ref<DenseMatrix> S) const override {
+        if (!compliance_) compliance_.emplace(factor_, blocks_);
+        compliance_->form(R, first, S);
+    }
+
 private:
     bool repeats_one_of(std::size_t first, double* x) const {
         if (std::all_of(x, x + n_, [](double entry) { return entry == 0; })) return true;
@@ -132,6 +139,7 @@ private:
     SupernodalFactor factor_;
     mutable std::vector<double*> columns_;
     mutable std::vector<Repeated> repeated_;
+    mutable std::optional<Compliance> compliance_;
 };
 
 class NarrowFactor final : public Factor {

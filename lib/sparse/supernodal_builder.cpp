@@ -46,6 +46,9 @@ public:
         node.rows_begin = static_cast<std::int32_t>(out_.rows_.size());
         store_bands(L_.rows + L_.row_begin[s]);
         node.bands_end = static_cast<std::int32_t>(out_.bands_.size());
+        node.rows_end = static_cast<std::int32_t>(out_.rows_.size());
+        node.inverses_end = static_cast<std::int32_t>(out_.inverses_.size());
+        node.parent = parent(s);
         node.values_end = node.values_begin + static_cast<std::int64_t>(band_values_.size());
         append(band_values_, out_.values_);
         out_.supernodes_.push_back(node);
@@ -54,6 +57,12 @@ public:
 
 private:
     using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, widest, widest>;
+
+    std::int32_t parent(Index s) const {
+        if (rows_ == columns_) return -1;
+        const long below = L_.rows[L_.row_begin[s] + columns_];
+        return static_cast<std::int32_t>(std::upper_bound(L_.super, L_.super + L_.supernodes, below) - L_.super) - 1;
+    }
 
     double* column(Index j) { return panel_.data() + j * rows_; }
 

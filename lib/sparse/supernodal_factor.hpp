@@ -38,6 +38,18 @@ public:
     /// nothing to do (columns of a unit matrix, forces at a few nodes).
     void solve(std::span<double* const> columns) const;
 
+    /// Supernodes by number, rising: the paths from some rows of A to the roots of the elimination tree.
+    using Reach = std::vector<std::int32_t>;
+    Reach reach(std::span<const std::int32_t> rows) const;
+    /// Right-hand sides that are solved on a reach together.
+    static constexpr int lanes = 16;
+    /// As many columns on the rows of one reach; zero before the right-hand sides are put in.
+    class FewRows;
+    /// x := A^-1 x on the rows of `reach`, where x is zero elsewhere: neither pass has anything to do off the paths. The
+    /// solution off them is not formed. (J. R. Gilbert, T. Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862-874)
+    void solve(const Reach& reach, FewRows& few) const;
+    void clear(const Reach& reach, FewRows& few) const;
+
 private:
     static constexpr int widest = 8;  ///< columns of a diagonal block, rows of a band
     static constexpr int height_for(Index rows) { return rows <= 4 ? 4 : 8; }
@@ -55,7 +67,9 @@ private:
         std::int32_t first, width;
         std::int32_t blocks_begin, blocks_end;  ///< diagonal blocks; each has a band, of its own rows
         std::int32_t bands_begin, bands_end;    ///< bands of the rows below
-        std::int32_t rows_begin;                ///< of the bands, in rows_
+        std::int32_t rows_begin, rows_end;      ///< of the bands, in rows_
+        std::int32_t inverses_end;
+        std::int32_t parent;  ///< in the elimination tree; -1 for none
         std::int64_t values_begin, values_end;
     };
     struct alignas(64) Line {
@@ -64,8 +78,10 @@ private:
     class Builder;
 
     template <int columns> void solve_chunk(std::span<double* const> x) const;
-    template <int columns> void forward(double* w) const;
-    template <int columns> void backward(double* w, double* sums) const;
+    template <int columns> void forward(const Supernode& node, double* w) const;
+    template <int columns> void backward(const Supernode& node, double* w, double* sums) const;
+    template <int columns> double* sums() const;
+    std::int32_t place(std::int32_t row) const { return row_of_[static_cast<std::size_t>(row)]; }
 
     Index n_;
     std::vector<Supernode> supernodes_;
@@ -76,6 +92,25 @@ private:
     std::vector<Line> values_, inverses_;
     std::int32_t widest_supernode_ = 0;
     mutable std::vector<Line> work_, sums_;
+};
+
+class SupernodalFactor::FewRows {
+public:
+    explicit FewRows(const SupernodalFactor& factor)
+        : factor_(factor), lines_(static_cast<std::size_t>((factor.n_ + widest) * lanes / 8)) {}
+    /// Of row `row` of A: `lanes` numbers.
+    double* operator[](std::int32_t row) { return begin() + Index{factor_.place(row)} * lanes; }
+    const double* operator[](std::int32_t row) const {
+        return lines_.front().entries + Index{factor_.place(row)} * lanes;
+    }
+    /// Where the row stands in the factor: near ones share most of their paths.
+    std::int32_t place(std::int32_t row) const { return factor_.place(row); }
+
+private:
+    friend class SupernodalFactor;
+    double* begin() { return lines_.front().entries; }
+    const SupernodalFactor& factor_;
+    std::vector<Line> lines_;
 };
 
 }  // namespace tact
