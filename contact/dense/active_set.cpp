@@ -38,6 +38,9 @@ CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const
         return report;
     }
     visited_.clear();
+    for (std::size_t k = 0; k < wanted_.size(); ++k) multiplier_[static_cast<Index>(k)] = lambda[wanted_[k]];
+    // Rows that join a settled problem leave its multipliers right: what they press on is known without a factor.
+    if (balances(S, g, wanted_, w) && update(S, allowance, wanted_, lambda, w)) return report;
     constexpr int limit = 60;
     while (true) {
         const auto print = fingerprint(wanted_);
@@ -52,38 +55,59 @@ CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const
             return report;
         }
         visited_.push_back(print);
-        factor_.rebuild(S, wanted_);
-        const Index k = factor_.size();
-        const auto& rows = factor_.rows();
-        for (Index i = 0; i < k; ++i) multiplier_[i] = g[rows[static_cast<std::size_t>(i)]];
-        factor_.solve(multiplier_.head(k));
-        w = -g;
-        for (Index i = 0; i < k; ++i) w += multiplier_[i] * S.col(rows[static_cast<std::size_t>(i)]).head(m);
-        bool settled = true;
-        lambda.setZero();
-        for (Index i = 0; i < k; ++i) {
-            const Index row = rows[static_cast<std::size_t>(i)];
-            w[row] = 0;
-            if (multiplier_[i] > 0)
-                lambda[row] = multiplier_[i];
-            else
-                settled = false;
-        }
-        // What the sum S lambda itself rounds to, in energy units.
-        double noise = 0;
-        for (const Index row : rows) noise += 4e-16 * lambda[row] * std::sqrt(S(row, row));
-        wanted_.clear();
-        for (Index i = 0; i < m; ++i) {
-            if (lambda[i] > 0) {
-                wanted_.push_back(i);
-            } else if (w[i] < -allowance[i] - noise * std::sqrt(S(i, i))) {
-                wanted_.push_back(i);
-                settled = false;
-            }
+        factor_.change(S, wanted_);
+        if (!solve_equations(S, g, w)) {
+            // Many changes leave their rounding in the factor; and some matrices are hard.
+            factor_.rebuild(S, wanted_);
+            (void)solve_equations(S, g, w);
         }
         // Dependent rows left out of the factor are held by the others; where they are not, they count as violated.
-        if (settled) return report;
+        if (update(S, allowance, factor_.rows(), lambda, w)) return report;
     }
+}
+
+bool CondensedActiveSet::solve_equations(const DenseMatrix& S, const ConstVectorRef& g, VectorRef w) {
+    const auto& rows = factor_.rows();
+    for (std::size_t k = 0; k < rows.size(); ++k) multiplier_[static_cast<Index>(k)] = g[rows[k]];
+    factor_.solve(multiplier_.head(factor_.size()));
+    return balances(S, g, rows, w);
+}
+
+bool CondensedActiveSet::balances(const DenseMatrix& S, const ConstVectorRef& g, const std::vector<Index>& rows,
+                                  VectorRef w) {
+    w = -g;
+    noise_ = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double multiplier = multiplier_[static_cast<Index>(k)];
+        w += multiplier * S.col(rows[k]).head(g.size());
+        noise_ += 4e-16 * std::abs(multiplier) * std::sqrt(S(rows[k], rows[k]));
+    }
+    return std::all_of(rows.begin(), rows.end(),
+                       [&](Index row) { return std::abs(w[row]) <= 4 * noise_ * std::sqrt(S(row, row)); });
+}
+
+bool CondensedActiveSet::update(const DenseMatrix& S, const ConstVectorRef& allowance, const std::vector<Index>& rows,
+                                VectorRef lambda, VectorRef w) {
+    bool settled = true;
+    lambda.setZero();
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double multiplier = multiplier_[static_cast<Index>(k)];
+        w[rows[k]] = 0;
+        if (multiplier > 0)
+            lambda[rows[k]] = multiplier;
+        else
+            settled = false;
+    }
+    wanted_.clear();
+    for (Index i = 0; i < lambda.size(); ++i) {
+        if (lambda[i] > 0) {
+            wanted_.push_back(i);
+        } else if (w[i] < -allowance[i] - noise_ * std::sqrt(S(i, i))) {
+            wanted_.push_back(i);
+            settled = false;
+        }
+    }
+    return settled;
 }
 
 }  // namespace tact

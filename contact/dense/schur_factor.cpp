@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace tact {
+namespace {
+
+/// What a change costs, in k'ths of a factor of k rows (measured from 90 to 720).
+constexpr Index cost_of_leaving = 12, cost_of_joining = 5;
+
+}  // namespace
 
 void SchurFactor::reserve(Index k) {
     if (L_.rows() >= k) return;
@@ -111,6 +117,44 @@ void SchurFactor::rebuild(const DenseMatrix& S, std::span<const Index> rows) {
         }
     }
     for (const Index q : rows) append(S, q);
+}
+
+void SchurFactor::change(const DenseMatrix& S, std::span<const Index> rows) {
+    wanted_.assign(static_cast<std::size_t>(S.rows()), 0);
+    for (const Index q : rows) wanted_[static_cast<std::size_t>(q)] = 1;
+    const auto kept = std::count_if(rows_.begin(), rows_.end(),
+                                    [this](Index q) { return wanted_[static_cast<std::size_t>(q)] != 0; });
+    const auto count = static_cast<Index>(rows.size());
+    if (cost_of_leaving * (size() - kept) + cost_of_joining * (count - kept) > count) return rebuild(S, rows);
+    for (Index place = size(); place-- > 0;)
+        if (!wanted_[static_cast<std::size_t>(rows_[static_cast<std::size_t>(place)])]) remove(place);
+    for (const Index q : rows_) wanted_[static_cast<std::size_t>(q)] = 0;
+    fresh_.clear();
+    for (const Index q : rows)
+        if (wanted_[static_cast<std::size_t>(q)]) fresh_.push_back(q);
+    if (!fresh_.empty() && !append_all(S, fresh_)) rebuild(S, rows);
+}
+
+/// The new rows of L are [X' T]: X = L^-1 S(C, fresh), T T' = S(fresh, fresh) - X'X.
+bool SchurFactor::append_all(const DenseMatrix& S, std::span<const Index> fresh) {
+    const Index k = size(), count = static_cast<Index>(fresh.size());
+    reserve(k + count);
+    DenseMatrix X(k, count), T(count, count);
+    for (Index j = 0; j < count; ++j) {
+        const double* column = S.col(fresh[static_cast<std::size_t>(j)]).data();
+        for (Index i = 0; i < k; ++i) X(i, j) = column[rows_[static_cast<std::size_t>(i)]];
+        for (Index i = 0; i < count; ++i) T(i, j) = column[fresh[static_cast<std::size_t>(i)]];
+    }
+    const Vector diagonal = T.diagonal();
+    L_.topLeftCorner(k, k).triangularView<Eigen::Lower>().solveInPlace(X);
+    T.selfadjointView<Eigen::Lower>().rankUpdate(X.transpose(), -1);
+    const Eigen::LLT<Eigen::Ref<DenseMatrix>> llt(T);
+    if (llt.info() != Eigen::Success || !(T.diagonal().array().square() > dependence * diagonal.array()).all())
+        return false;
+    L_.block(k, 0, count, k) = X.transpose();
+    L_.block(k, k, count, count) = T;
+    rows_.insert(rows_.end(), fresh.begin(), fresh.end());
+    return true;
 }
 
 }  // namespace tact

@@ -28,6 +28,9 @@ public:
     void remove(Index place);
     /// Factors S(C, C) anew for the given rows (blocked when large); dependent ones are left out.
     void rebuild(const DenseMatrix& S, std::span<const Index> rows);
+    /// The same from the factor at hand, of the same S: rows that leave are rotated out, new ones appended together.
+    /// Anew where that would cost more, or a new row is dependent.
+    void change(const DenseMatrix& S, std::span<const Index> rows);
 
     /// x := S(C, C)^-1 x.
     void solve(VectorRef x) const;
@@ -40,7 +43,10 @@ public:
     void reserve(Index k);
 
 private:
-    std::vector<Index> rows_;
+    bool append_all(const DenseMatrix& S, std::span<const Index> fresh);
+
+    std::vector<Index> rows_, fresh_;
+    std::vector<char> wanted_;
     DenseMatrix L_;  // the lower triangle of the leading size() x size() block
     Vector work_;
 };
