@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tact/contact/dense/acceptance.hpp"
 #include "tact/contact/dense/active_set.hpp"
 #include "tact/contact/rows.hpp"
 #include "tact/lib/linear_solver.hpp"
+#include "tact/lib/row_runs.hpp"
 #include "tact/lib/sparse/cholmod_solver.hpp"
 
 namespace tact {
@@ -29,25 +31,15 @@ public:
     const DenseMatrix& S() const { return S_; }
 
     void add(const std::vector<Index>& fresh) {
-        constexpr std::size_t batch = 32;  // right-hand sides that fill the factor's BLAS-3 solve
-        for (std::size_t first = 0; first < fresh.size(); first += batch) {
-            const auto last = std::min(first + batch, fresh.size());
-            const Index old = size();
-            columns_.setZero(factor_.size(), static_cast<Index>(last - first));
-            for (auto k = first; k < last; ++k) {
-                place_[static_cast<std::size_t>(fresh[k])] = size();
-                members_.push_back(fresh[k]);
-                rows_.scatter(fresh[k], 1, columns_.col(static_cast<Index>(k - first)).data());
-            }
-            factor_.solve(columns_);
-            reserve();
-            for (Index j = 0; j < columns_.cols(); ++j)
-                for (Index i = 0; i <= old + j; ++i) {
-                    const double s = rows_.gather(members_[static_cast<std::size_t>(i)], columns_.col(j).data());
-                    S_(i, old + j) = s;
-                    S_(old + j, i) = s;
-                }
+        if (fresh.empty()) return;
+        const Index old = size();
+        for (const Index row : fresh) {
+            place_[static_cast<std::size_t>(row)] = size();
+            members_.push_back(row);
         }
+        reserve();
+        factor_.compliance(columns(), old, S_);
+        for (Index j = old; j < size(); ++j) S_.row(j).head(j) = S_.col(j).head(j).transpose();
     }
 
     /// Forgets all rows but those given; their mutual compliance is kept.
@@ -65,6 +57,18 @@ public:
     }
 
 private:
+    /// The members' rows of B as columns.
+    SparseMatrix columns() const {
+        SparseMatrix R(factor_.size(), size());
+        for (Index j = 0; j < size(); ++j) {
+            const Index row = members_[static_cast<std::size_t>(j)];
+            R.startVec(j);
+            for (std::size_t k = 0; k < rows_.columns(row).size(); ++k)
+                R.insertBack(rows_.columns(row)[k], j) = rows_.weights(row)[k];
+        }
+        R.finalize();
+        return R;
+    }
     void reserve() {
         if (S_.rows() >= size()) return;
         const Index capacity = std::max(size(), std::min(largest_, std::max<Index>(64, size() + size() / 2)));
@@ -74,7 +78,7 @@ private:
     const ConstraintRows& rows_;
     Index largest_;
     std::vector<Index> members_, place_;
-    DenseMatrix S_, columns_;
+    DenseMatrix S_;
 };
 
 class PreparedSchur final : public PreparedContact {
@@ -83,10 +87,12 @@ public:
         : factor_(linear.factorize(A)),
           accept_(A, B),
           rows_(B),
+          runs_(B.to_sparse().transpose()),
           pool_(*factor_, rows_, options.pool_bytes),
           free_(A.rows()),
           u_(A.rows()),
           gap_(B.rows()),
+          free_gap_(B.rows()),
           allowance_(B.rows()),
           lambda_(B.rows()) {}
 
@@ -99,33 +105,31 @@ public:
             load_ = b;
             reach_ = accept_.reach(free_);
         }
-        const Index m = rows_.rows();
-        gaps_of_free_solution(c);
+        const bool open = find_gaps(free_, c, free_gap_, [&](Index i, double size) {
+            return allowance_[i] = gap_tolerance * (std::abs(c[i]) + size);
+        });
         lambda_.setZero();
-        u_ = free_;
         violated_.clear();
-        for (Index i = 0; i < m; ++i)
-            if (point.lambda[i] > 0 && c[i] != -infinity && !pool_.holds(i)) violated_.push_back(i);
+        if ((point.lambda.array() > 0).any())
+            for (Index i = 0; i < c.size(); ++i)
+                if (point.lambda[i] > 0 && c[i] != -infinity && !pool_.holds(i)) violated_.push_back(i);
         // What the pool can do comes first: it costs no new columns.
-        bool contact = !violated_.empty() || any_violated_in_pool(c);
-        if (!contact) {
-            find_violated(c, few);
-            contact = !violated_.empty();
-        }
-        for (std::size_t batch = 2 * few; contact; batch *= 2) {
+        bool contact = !violated_.empty() || (!open && any_violated_in_pool(c));
+        if (!contact && !open) contact = find_violated(c, free_gap_, few);
+        const Vector& u = contact ? u_ : free_;
+        const auto allowed = [this](Index i, double) { return allowance_[i]; };
+        for (std::size_t batch = 8 * few; contact; batch *= 2) {
             if (pool_.size() + static_cast<Index>(violated_.size()) > pool_.largest()) forget(point.lambda);
             pool_.add(violated_);
             report.outcome = solve_pool(c, point.lambda, report);
             if (report.outcome != Outcome::converged) return report;
-            violated_.clear();
-            find_violated(c, batch);
-            contact = !violated_.empty();
+            contact = !find_gaps(u_, c, gap_, allowed) && find_violated(c, gap_, batch);
         }
         // A bound is met exactly: a gap of zero then is zero, not rounding.
         for (const Index row : pool_.members())
             if (lambda_[row] > 0 && rows_.columns(row).size() == 1)
                 u_[rows_.columns(row)[0]] = c[row] / rows_.weights(row)[0];
-        accept_.certify(report, b, c, u_, lambda_, acceptable, reach_, point);
+        accept_.certify(report, b, c, u, lambda_, acceptable, reach_, point);
         return report;
     }
 
@@ -136,32 +140,42 @@ private:
     /// Of the row's own |c_i| + |B_i||u|: two digits above the rounding of a solve.
     static constexpr double gap_tolerance = 2e-14;
 
-    /// gap_ = B free_, and what of a violation each row is allowed.
-    void gaps_of_free_solution(const ConstVectorRef& c) {
-        for (Index i = 0; i < c.size(); ++i) {
-            gap_[i] = rows_.gather(i, free_.data());
-            const double own = std::abs(c[i]) + rows_.gather_absolute(i, free_.data());
-            allowance_[i] = gap_tolerance * own;
+    /// gap = B u; whether no row is violated by more than it is allowed, given the row and |B_i||u|.
+    template <class Allowed>
+    bool find_gaps(const Vector& u, const ConstVectorRef& c, Vector& gap, Allowed allowed) const {
+        alignas(64) double sum[RowRuns::block_rows], size[RowRuns::block_rows];
+        bool open = true;
+        for (Index first = 0; first < c.size(); first += RowRuns::block_rows) {
+            const Index count = std::min(RowRuns::block_rows, c.size() - first);
+            std::fill_n(sum, count, 0.0);
+            std::fill_n(size, count, 0.0);
+            runs_.add(first / RowRuns::block_rows, 1, u.data(), sum, size);
+            const double* bound = c.data() + first;
+            std::copy_n(sum, count, gap.data() + first);
+            int violated = 0;
+            for (Index i = 0; i < count; ++i) violated |= bound[i] - sum[i] > allowed(first + i, size[i]);
+            open &= violated == 0;
         }
+        return open;
     }
 
     bool any_violated_in_pool(const ConstVectorRef& c) const {
         return std::any_of(pool_.members().begin(), pool_.members().end(),
-                           [&](Index i) { return c[i] - gap_[i] > allowance_[i]; });
+                           [&](Index i) { return c[i] - free_gap_[i] > allowance_[i]; });
     }
 
-    /// Rows outside the pool that u_ violates, the `most` worst of them: a multiplier on these lifts their neighbours.
-    void find_violated(const ConstVectorRef& c, std::size_t most) {
+    /// Rows outside the pool that are violated, the `most` worst of them: a multiplier on these lifts their neighbours.
+    /// Whether there are any.
+    bool find_violated(const ConstVectorRef& c, const Vector& gap, std::size_t most) {
+        violated_.clear();
         for (Index i = 0; i < c.size(); ++i)
-            if (!pool_.holds(i) && c[i] - rows_.gather(i, u_.data()) > allowance_[i]) violated_.push_back(i);
-        if (violated_.size() <= most) return;
-        const auto deeper = [&](Index i, Index j) {
-            return c[i] - rows_.gather(i, u_.data()) > c[j] - rows_.gather(j, u_.data());
-        };
+            if (c[i] - gap[i] > allowance_[i] && !pool_.holds(i)) violated_.push_back(i);
+        if (violated_.size() <= most) return !violated_.empty();
         std::nth_element(violated_.begin(), violated_.begin() + static_cast<std::ptrdiff_t>(most), violated_.end(),
-                         deeper);
+                         [&](Index i, Index j) { return c[i] - gap[i] > c[j] - gap[j]; });
         violated_.resize(most);
         std::sort(violated_.begin(), violated_.end());
+        return true;
     }
 
     /// The pool's contact problem, then u_ = free_ + A^-1 B' lambda_.
@@ -171,7 +185,7 @@ private:
         const bool first = (lambda_.array() == 0).all();
         for (Index i = 0; i < k; ++i) {
             const Index row = pool_.members()[static_cast<std::size_t>(i)];
-            g_[i] = c[row] - gap_[row];
+            g_[i] = c[row] - free_gap_[row];
             pool_allowance_[i] = allowance_[row];
             multiplier_[i] = first ? guess[row] : lambda_[row];
         }
@@ -257,9 +271,12 @@ private:
     CondensedActiveSet::Report solve_working_set(Index k) {
         const auto size = static_cast<Index>(working_.size());
         if (size == k) {
-            // In the pool's own order, without a copy.
+            // In the pool's own order, without a copy: a pool that has grown keeps the factor.
+            if (!std::exchange(factored_pool_, true)) active_set_.forget();
             return active_set_.solve(pool_.S(), g_.head(k), pool_allowance_.head(k), multiplier_.head(k), w_.head(k));
         }
+        factored_pool_ = false;
+        active_set_.forget();
         for (Index j = 0; j < size; ++j) {
             const Index row = working_[static_cast<std::size_t>(j)];
             working_g_[j] = g_[row];
@@ -286,19 +303,22 @@ private:
         for (const Index row : pool_.members())
             if (guess[row] > 0 || lambda_[row] > 0) kept.push_back(row);
         pool_.keep(kept);
+        active_set_.forget();
     }
 
     std::unique_ptr<const Factor> factor_;
     Acceptance accept_;
     ConstraintRows rows_;
+    RowRuns runs_;
     Pool pool_;
     CondensedActiveSet active_set_;
     std::vector<Index> violated_, working_, candidates_;
     std::vector<char> in_working_set_;
-    DenseMatrix S_;  // of the working set, as what follows
+    bool factored_pool_ = false;  // what active_set_ has a factor of is a part of the pool
+    DenseMatrix S_;               // of the working set, as what follows
     Vector working_g_, working_allowance_, working_multiplier_, working_w_;
     double reach_ = 0;  // of free_, in units of energy
-    Vector load_, free_, u_, gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
+    Vector load_, free_, u_, gap_, free_gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
 };
 
 }  // namespace
