@@ -32,7 +32,7 @@ struct AutomaticOptions {
     /// The same for bounds, whose sweeps are cheaper: some 100 of them still beat a factor and its growing pool.
     double sweepable = 100;
     /// The same where a factor of A is no larger than A: bars, strings, strips.
-    double sweepable_if_narrow = 10;
+    double sweepable_if_narrow = 3;
     /// Solves with one A before its factor pays; one more for every 16 rows that were in contact meanwhile.
     int solves_before_factor = 20;
 };

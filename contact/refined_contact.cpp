@@ -71,6 +71,7 @@ public:
             const KktResiduals kkt = certificate_(b, c, correction_, lambda_);
             // Residuals this small are roundings of the products: they no longer tell the better point.
             if (kkt.largest() > std::max(report.kkt.largest(), rounding)) break;
+            if (kkt.largest() > sharp && closes_worse(c, point.u, correction_)) break;
             point.u = correction_;
             point.lambda = lambda_;
             report.kkt = kkt;
@@ -82,6 +83,21 @@ public:
 
 private:
     static constexpr double rounding = 1e-15;
+    static constexpr double sharp = 1e-12;
+
+    /// Whether a row is violated further, in its own size, by `after` than by `before`: the largest row, which the residuals
+    /// are scaled by, would hide it.
+    bool closes_worse(const ConstVectorRef& c, const ConstVectorRef& before, const ConstVectorRef& after) const {
+        const DenseMatrix points = (DenseMatrix(after.size(), 2) << before, after).finished();
+        const SparseMatrix B = B_.to_sparse();
+        const DenseMatrix gaps = B * points;
+        const Vector sizes = B.cwiseAbs() * after.cwiseAbs();
+        for (Index i = 0; i < c.size(); ++i)
+            if (c[i] > -infinity &&
+                c[i] - gaps(i, 1) > std::max(c[i] - gaps(i, 0), sharp * (sizes[i] + std::abs(c[i]))))
+                return true;
+        return false;
+    }
 
     void residuals(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u) {
         sums_.start(b);
