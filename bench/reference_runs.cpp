@@ -35,6 +35,9 @@ ReferenceRuns::ReferenceRuns(const StudyScene& scene, const Scheme& scheme, std:
         const ContactProblem problem = scene.family->at(gamma);
         if (!problem.c.constant()) throw InputError("ReferenceRuns: the gap varies in time, expected a constant one");
         Run& kept = runs_.emplace_back();
+        const Vector c = problem.c.at(0);
+        kept.gap = c.cast<float>();
+        kept.gap_scale = gap_scale(c);
         kept.u.resize(problem.size(), scheme.integrator ? scheme.grid.steps + 1 : 1);
         const std::vector<Observer> record{[&](const State& state, const StepReport&) {
             kept.u.col(state.step) = state.u().cast<float>();
@@ -48,15 +51,15 @@ ReferenceRuns::ReferenceRuns(const StudyScene& scene, const Scheme& scheme, std:
 
 ReducedErrors ReferenceRuns::errors(const ReducedBasis& basis, const ContactFamily& reduced,
                                     std::shared_ptr<const ContactSolver> contact) const {
-    const Single U = basis.U.cast<float>();
-    const Single B_U = scene_.family->at(gammas_.front()).B.times(basis.U).cast<float>();
+    Images images{basis.U.cast<float>(), scene_.family->at(gammas_.front()).B.times(basis.U).cast<float>()};
+    images.nodal = images.B_U.rows() == images.U.rows() && images.B_U == images.U;
     // In two halves whatever the machine has, since a workspace remembers; nothing is timed here.
     const std::size_t half = (gammas_.size() + 1) / 2;
     const auto part = [&](std::size_t from, std::size_t to) {
         ContactWorkspace workspace(contact);
         ReducedErrors errors;
         for (std::size_t k = from; k < to && errors.outcome == Outcome::converged; ++k)
-            add_error(k, basis, reduced, U, B_U, workspace, errors);
+            add_error(k, basis, reduced, images, workspace, errors);
         return errors;
     };
     auto other = std::async(std::launch::async, part, half, gammas_.size());
@@ -72,10 +75,10 @@ ReducedErrors ReferenceRuns::errors(const ReducedBasis& basis, const ContactFami
     return result;
 }
 
-void ReferenceRuns::add_error(std::size_t k, const ReducedBasis& basis, const ContactFamily& reduced, const Single& U,
-                              const Single& B_U, ContactWorkspace& workspace, ReducedErrors& result) const {
+void ReferenceRuns::add_error(std::size_t k, const ReducedBasis& basis, const ContactFamily& reduced,
+                              const Images& images, ContactWorkspace& workspace, ReducedErrors& result) const {
     throw_if_interrupted();
-    const bool nodal = B_U.rows() == U.rows() && B_U == U;  // B U q is then U q
+    const auto& [U, B_U, nodal] = images;
     const Run& full = runs_[k];
     const ContactProblem problem = reduced.at(gammas_[k]);
     Single q(problem.size(), full.u.cols());
@@ -103,15 +106,13 @@ void ReferenceRuns::add_error(std::size_t k, const ReducedBasis& basis, const Co
     }
     result.worst_kkt = std::max(result.worst_kkt, kkt);
 
-    const Vector c = scene_.family->at(gammas_[k]).c.at(0);
-    const double scale = gap_scale(c);
-    const Eigen::VectorXf gap = c.cast<float>();
     // Rows i to i + count of B U q against the gap.
     const auto penetrate = [&](const Single& image, Index i, Index count) {
         for (Index j = 0; j < image.cols(); ++j)
             result.penetration =
                 std::max(result.penetration,
-                         static_cast<double>((gap.segment(i, count) - image.col(j).head(count)).maxCoeff()) / scale);
+                         static_cast<double>((full.gap.segment(i, count) - image.col(j).head(count)).maxCoeff()) /
+                             full.gap_scale);
     };
     constexpr Index block = 256;
     Single lifted(block, q.cols());

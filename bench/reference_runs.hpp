@@ -42,9 +42,15 @@ private:
     struct Run {
         Single u;  // n x times
         double squared_norm = 0;
+        Eigen::VectorXf gap;
+        double gap_scale = 0;
     };
-    void add_error(std::size_t k, const ReducedBasis& basis, const ContactFamily& reduced, const Single& U,
-                   const Single& B_U, ContactWorkspace& workspace, ReducedErrors& result) const;
+    struct Images {
+        Single U, B_U;
+        bool nodal = false;  // both are the same
+    };
+    void add_error(std::size_t k, const ReducedBasis& basis, const ContactFamily& reduced, const Images& images,
+                   ContactWorkspace& workspace, ReducedErrors& result) const;
 
     StudyScene scene_;
     Scheme scheme_;
