@@ -55,9 +55,9 @@ CondensedActiveSet::Report CondensedActiveSet::solve(const DenseMatrix& S, const
             return report;
         }
         visited_.push_back(print);
-        factor_.change(S, wanted_);
-        if (!solve_equations(S, g, w)) {
-            // Many changes leave their rounding in the factor; and some matrices are hard.
+        const bool changed = factor_.change(S, wanted_);
+        if (!solve_equations(S, g, w) && changed) {
+            // Many changes leave their rounding in the factor.
             factor_.rebuild(S, wanted_);
             (void)solve_equations(S, g, w);
         }

@@ -119,20 +119,25 @@ void SchurFactor::rebuild(const DenseMatrix& S, std::span<const Index> rows) {
     for (const Index q : rows) append(S, q);
 }
 
-void SchurFactor::change(const DenseMatrix& S, std::span<const Index> rows) {
+bool SchurFactor::change(const DenseMatrix& S, std::span<const Index> rows) {
     wanted_.assign(static_cast<std::size_t>(S.rows()), 0);
     for (const Index q : rows) wanted_[static_cast<std::size_t>(q)] = 1;
     const auto kept = std::count_if(rows_.begin(), rows_.end(),
                                     [this](Index q) { return wanted_[static_cast<std::size_t>(q)] != 0; });
     const auto count = static_cast<Index>(rows.size());
-    if (cost_of_leaving * (size() - kept) + cost_of_joining * (count - kept) > count) return rebuild(S, rows);
+    if (cost_of_leaving * (size() - kept) + cost_of_joining * (count - kept) > count) {
+        rebuild(S, rows);
+        return false;
+    }
     for (Index place = size(); place-- > 0;)
         if (!wanted_[static_cast<std::size_t>(rows_[static_cast<std::size_t>(place)])]) remove(place);
     for (const Index q : rows_) wanted_[static_cast<std::size_t>(q)] = 0;
     fresh_.clear();
     for (const Index q : rows)
         if (wanted_[static_cast<std::size_t>(q)]) fresh_.push_back(q);
-    if (!fresh_.empty() && !append_all(S, fresh_)) rebuild(S, rows);
+    if (fresh_.empty() || append_all(S, fresh_)) return true;
+    rebuild(S, rows);
+    return false;
 }
 
 /// The new rows of L are [X' T]: X = L^-1 S(C, fresh), T T' = S(fresh, fresh) - X'X.

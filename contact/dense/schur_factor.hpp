@@ -29,8 +29,8 @@ public:
     /// Factors S(C, C) anew for the given rows (blocked when large); dependent ones are left out.
     void rebuild(const DenseMatrix& S, std::span<const Index> rows);
     /// The same from the factor at hand, of the same S: rows that leave are rotated out, new ones appended together.
-    /// Anew where that would cost more, or a new row is dependent.
-    void change(const DenseMatrix& S, std::span<const Index> rows);
+    /// Anew where that would cost more, or a new row is dependent; says whether the factor at hand was kept.
+    bool change(const DenseMatrix& S, std::span<const Index> rows);
 
     /// x := S(C, C)^-1 x.
     void solve(VectorRef x) const;

@@ -45,16 +45,18 @@ TEST(SchurFactor, ChangedManyTimesAgreesWithEigensLdlt) {
         std::vector<char> in(static_cast<std::size_t>(m), 0);
         for (std::size_t i = 0; i < in.size(); i += 2) in[i] = 1;
         SchurFactor factor;
+        int kept = 0;
         for (int k = 0; k < 200; ++k) {
             for (auto change = random() % 7; change-- > 0;) in[random() % in.size()] ^= 1;
             std::vector<Index> rows;
             for (Index i = 0; i < m; ++i)
                 if (in[static_cast<std::size_t>(i)]) rows.push_back(i);
-            factor.change(S, rows);
+            kept += factor.change(S, rows);
             ASSERT_EQ(factor.size(), static_cast<Index>(rows.size()));
             const Vector expected = solved_by_eigen(S, rows, g);
             ASSERT_LE((solved(factor, g) - expected).norm(), 1e-9 * expected.norm()) << m << " rows, change " << k;
         }
+        EXPECT_TRUE(m < 200 || kept > 50) << kept;
     }
 }
 
@@ -67,11 +69,11 @@ TEST(SchurFactor, ChangedLeavesOutTheDependentRowsThatAFreshOneLeavesOut) {
     SchurFactor factor, fresh;
     std::vector<Index> rows(100);
     std::iota(rows.begin(), rows.end(), Index{0});
-    factor.change(S, rows);
+    (void)factor.change(S, rows);
     EXPECT_EQ(factor.size(), 100);
     rows.push_back(100);
     rows.push_back(101);
-    factor.change(S, rows);
+    (void)factor.change(S, rows);
     fresh.rebuild(S, rows);
     EXPECT_EQ(factor.rows(), fresh.rows());
     EXPECT_EQ(factor.size(), 101);
