@@ -10,6 +10,7 @@
 #include "tact/bench/stability_row.hpp"
 #include "tact/contact/automatic.hpp"
 #include "tact/contact/dense/dense_contact.hpp"
+#include "tact/integrators/central_difference.hpp"
 #include "tact/lib/scenes/bar.hpp"
 #include "tact/lib/scenes/mass_on_stop.hpp"
 #include "tact/lib/scenes/membrane.hpp"
@@ -30,11 +31,15 @@ std::vector<std::string> dynamic_integrators() {
     return names;
 }
 
-/// Nothing where the march failed.
+/// Nothing where the march failed, or an explicit method refused the step.
 std::optional<State> final_state(const std::string& name, const ContactProblem& problem, const TimeGrid& grid) {
     throw_if_interrupted();
     ContactWorkspace workspace(std::make_shared<DenseContact>());
-    MarchReport report = integrate(*integrator(name), problem, grid, workspace);
+    const auto method = integrator(name);
+    if (name.starts_with("central-difference") &&
+        grid.dt > CentralDifference::largest_step(problem, workspace, grid.dt))
+        return std::nullopt;
+    MarchReport report = integrate(*method, problem, grid, workspace);
     if (report.outcome != Outcome::converged) return std::nullopt;
     return std::move(report.final_state);
 }
