@@ -100,9 +100,10 @@ std::vector<double> parameters_of(const PrecisionMethod& method, const Precision
     std::vector<double> steps(scene.steps.begin(), scene.steps.end());
     if (!method.explicit_steps) return steps;
     ContactWorkspace workspace(scene.contact);
-    const double largest = CentralDifference::largest_step(scene.problem, workspace);
+    constexpr double below = 0.99;  // at the limit itself the fastest mode grows
+    const double largest = below * CentralDifference::largest_step(scene.problem, workspace);
     const auto outputs = static_cast<double>(scene.outputs);
-    steps[0] = outputs * std::ceil(scene.t_end / (outputs * largest) * (1 - rounding));
+    steps[0] = outputs * std::ceil(scene.t_end / (outputs * largest));
     for (std::size_t k = 1; k < steps.size(); ++k) steps[k] = 2 * steps[k - 1];
     return steps;
 }

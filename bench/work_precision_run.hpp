@@ -28,8 +28,8 @@ struct PrecisionMethod {
 const std::vector<PrecisionMethod>& precision_methods();
 /// Without those where nothing meets, and explicit ones where M is wanting.
 std::vector<PrecisionMethod> precision_methods_for(const PrecisionScene& scene);
-/// What a method is asked with: the scene's tolerances, or numbers of steps; explicit methods begin at the fewest that are
-/// stable, and double them as often.
+/// What a method is asked with: the scene's tolerances, or numbers of steps; explicit methods begin a per cent
+/// below their largest step, and double as often.
 std::vector<double> parameters_of(const PrecisionMethod& method, const PrecisionScene& scene);
 
 /// The states of one march at the output times, and its ledgers where they were wanted.
