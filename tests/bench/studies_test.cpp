@@ -29,8 +29,8 @@ constexpr std::chrono::milliseconds a_moment(20);
 class Studies : public testing::Test {
 protected:
     Studies() {
-        folder_ = std::filesystem::path(testing::TempDir()) / "tact_studies_test";
-        std::filesystem::remove_all(folder_);
+        // Tests run side by side, each in a process of its own.
+        folder_ = std::filesystem::path(testing::TempDir()) / ("tact_studies_test_" + std::to_string(getpid()));
         std::filesystem::create_directories(folder_);
     }
     ~Studies() override { std::filesystem::remove_all(folder_); }
