@@ -12,7 +12,11 @@ namespace {
 
 constexpr FileKind kind{"tact test", 3};
 
-std::filesystem::path somewhere(const char* name) { return std::filesystem::path(testing::TempDir()) / name; }
+/// Tests run side by side: each has files of its own.
+std::filesystem::path somewhere(const std::string& name) {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    return std::filesystem::path(::testing::TempDir()) / ("tact_" + std::string(test->name()) + "_" + name);
+}
 
 TEST(SealedFile, GivesBackItsContents) {
     const auto path = somewhere("sealed");

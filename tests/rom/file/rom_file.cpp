@@ -15,7 +15,11 @@
 namespace tact {
 namespace {
 
-std::filesystem::path somewhere(const char* name) { return std::filesystem::path(::testing::TempDir()) / name; }
+/// Tests run side by side: each has files of its own.
+std::filesystem::path somewhere(const std::string& name) {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    return std::filesystem::path(::testing::TempDir()) / ("tact_" + std::string(test->name()) + "_" + name);
+}
 
 /// The static membrane at small size, trained at six parameters.
 const ReducedModelData& membrane_model() {
