@@ -12,7 +12,7 @@ using namespace supernodal;
 template <int columns> void SupernodalFactor::forward(const Supernode& node, double* w) const {
     double* x = w + node.first * columns;
     if (std::all_of(x, x + node.width * columns, [](double entry) { return entry == 0; })) return;
-    const double* U = values_.front().entries + node.values_begin;
+    const double* U = begin_of(values_) + node.values_begin;
     const std::int32_t* rows = rows_.data() + node.rows_begin;
     const Band* band = bands_.data() + node.bands_begin;
     const Band* block_band = block_bands_.data() + node.blocks_begin;
@@ -44,7 +44,7 @@ template <int columns> void SupernodalFactor::forward(const Supernode& node, dou
 
 template <int columns> void SupernodalFactor::backward(const Supernode& node, double* w, double* sums) const {
     constexpr Index sum_size = numbers_in_sum(columns);
-    const double* U = values_.front().entries + node.values_end;
+    const double* U = begin_of(values_) + node.values_end;
     const Line* inverse = inverses_.data() + node.inverses_end;
     const std::int32_t* rows = rows_.data() + node.rows_end;
     double* x = w + node.first * columns;

@@ -76,6 +76,8 @@ private:
         double entries[8];
     };
     class Builder;
+    /// The lines as one run of numbers.
+    static const double* begin_of(const std::vector<Line>& lines) { return lines.front().entries; }
 
     template <int columns> void solve_chunk(std::span<double* const> x) const;
     template <int columns> void forward(const Supernode& node, double* w) const;
@@ -100,9 +102,7 @@ public:
         : factor_(factor), lines_(static_cast<std::size_t>((factor.n_ + widest) * lanes / 8)) {}
     /// Of row `row` of A: `lanes` numbers.
     double* operator[](std::int32_t row) { return begin() + Index{factor_.place(row)} * lanes; }
-    const double* operator[](std::int32_t row) const {
-        return lines_.front().entries + Index{factor_.place(row)} * lanes;
-    }
+    const double* operator[](std::int32_t row) const { return begin_of(lines_) + Index{factor_.place(row)} * lanes; }
     /// Where the row stands in the factor: near ones share most of their paths.
     std::int32_t place(std::int32_t row) const { return factor_.place(row); }
 
