@@ -57,7 +57,7 @@ public:
         const double factor = size_[i] / size_[j];
         if (!(factor < farthest && factor > 1 / farthest)) return false;
         for (Index k = 0; k < length(i); ++k)
-            if (column(i, k) != column(j, k) ||
+            if (column(i, k) != column(j, k) || !std::isfinite(value(i, k)) ||
                 !(std::abs(value(i, k) - value(j, k)) <= rounding * std::abs(value(i, k))))
                 return false;
         return true;

@@ -109,8 +109,10 @@ bool Acceptance::excludes(const ConstVectorRef& y, const ConstVectorRef& c) cons
             size[it.row()] += std::abs(it.value() * y[i]);
         }
     }
-    return value > 1e-9 * terms && force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <=
-                                       1e-9 * size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
+    // Where terms overflow nothing is shown.
+    const double largest = size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
+    return value > 1e-9 * terms && std::isfinite(largest) &&
+           force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <= 1e-9 * largest;
 }
 
 }  // namespace tact

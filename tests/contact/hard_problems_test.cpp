@@ -12,6 +12,7 @@
 #include "tact/contact/proximal_contact.hpp"
 #include "tact/tests/laws/judge.hpp"
 #include "tact/tests/laws/quadratic_programs.hpp"
+#include "tact/tests/laws/strategies.hpp"
 
 namespace tact::laws {
 namespace {
@@ -292,6 +293,18 @@ TEST(HardProblems, ALargeRowDoesNotHideAViolatedSmallOne) {
         const std::string why = fault(qp, s.report, s.u, s.lambda, Vector::Zero(2));
         EXPECT_EQ(why, "") << to_string(s.report.outcome) << " by " << s.report.strategy;
     }
+}
+
+TEST(HardProblems, ARowThatOverflowsWhenScaledIsLikeNoOther) {
+    // Rows of 1e308 beside rows of 12 (found by fuzzing): they were taken for one, and the programme for infeasible.
+    const double huge = std::numeric_limits<double>::max(), third = 1 / 3.0;
+    const QuadraticProgram qp{
+        DenseMatrix{{1e24, 1750000000002.2371}, {1749999999998.2371, 3.162277660168379e30}},
+        DenseMatrix{{third, -huge}, {-third, huge}, {-12, -12}, {12, 12}, {-12, -12}, {12, 12}, {-12, -12}},
+        Vector::Constant(2, -12), Vector{{-12, 12, -12, 12, -12, 12, -12}}};
+    const Matrix A(Matrix(qp.A).to_sparse()), B(Matrix(qp.B).to_sparse());
+    const auto s = laws::solve(AutomaticContact(), A, B, qp.b, qp.c, Vector::Zero(7));
+    EXPECT_EQ(fault(qp, s.report, s.u, s.lambda, Vector::Zero(2)), "") << to_string(s.report.outcome);
 }
 
 TEST(HardProblems, AGuessWhoseMultipliersOverflowEndsWithoutAnAnswer) {

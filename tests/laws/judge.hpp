@@ -73,7 +73,7 @@ inline std::string fault_of_point(const QuadraticProgram& qp, const Vector& u, c
             if (qp.A(j, j) > 0) allowed += std::abs(Wide(qp.B(i, j))) * 4e-15L * reach / std::sqrt(Wide(qp.A(j, j)));
         }
         gap.add(-Wide(qp.c[i]));
-        if (std::abs(gap.value) < std::numeric_limits<double>::min()) gap.value = 0;  // subnormal in double
+        own = std::max(own, Wide(1e-292L));  // as in ratio()
         if (gap.value < -5 * tolerance * own - allowed) return "penetration of row " + std::to_string(i);
         if (gap.value > 0) complementary_work += lambda[i] * std::max<Wide>(gap.value - allowed, 0);
         work += lambda[i] * gap.size;
