@@ -1,7 +1,6 @@
 // Cholesky factors of narrow bands, eliminated from both ends at once.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
