@@ -1,25 +1,25 @@
-#include "tact/contact/automatic.hpp"
+#include "automatic.hpp"
 
 #include <algorithm>
 #include <functional>
 #include <limits>
 #include <utility>
 
-#include "tact/contact/colour_sor.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/contact/dense/orthogonal_contact.hpp"
-#include "tact/contact/diagonal_contact.hpp"
-#include "tact/contact/interior_point.hpp"
-#include "tact/contact/klu_active_set.hpp"
-#include "tact/contact/matrix_facts.hpp"
-#include "tact/contact/merged_rows.hpp"
-#include "tact/contact/multigrid_active_set.hpp"
-#include "tact/contact/principal_pivoting.hpp"
-#include "tact/contact/projected_cg.hpp"
-#include "tact/contact/proximal_contact.hpp"
-#include "tact/contact/renumbered.hpp"
-#include "tact/contact/rows.hpp"
-#include "tact/contact/schur_contact.hpp"
+#include "dense/dense_contact.hpp"
+#include "dense/orthogonal_contact.hpp"
+#include "prepare/matrix_facts.hpp"
+#include "prepare/merged_rows.hpp"
+#include "prepare/renumbered.hpp"
+#include "prepare/rows.hpp"
+#include "strategies/colour_sor.hpp"
+#include "strategies/diagonal_contact.hpp"
+#include "strategies/interior_point.hpp"
+#include "strategies/klu_active_set.hpp"
+#include "strategies/multigrid_active_set.hpp"
+#include "strategies/principal_pivoting.hpp"
+#include "strategies/projected_cg.hpp"
+#include "strategies/proximal_contact.hpp"
+#include "strategies/schur_contact.hpp"
 
 namespace tact {
 namespace {

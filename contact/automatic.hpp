@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tact/lib/contact_solver.hpp"
+#include "../lib/contact_solver.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/integrators/acceleration.hpp"
+#include "acceleration.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // y' at a given state: what explicit stages and the start of a multistep method need.
 #pragma once
 
-#include "tact/lib/stage.hpp"
+#include "../lib/time/stage.hpp"
 
 namespace tact {
 

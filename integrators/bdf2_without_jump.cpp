@@ -1,10 +1,10 @@
-#include "tact/integrators/bdf2_without_jump.hpp"
+#include "bdf2_without_jump.hpp"
 
 #include <utility>
 
-#include "tact/integrators/hermite.hpp"
-#include "tact/integrators/impact.hpp"
-#include "tact/integrators/naming.hpp"
+#include "hermite.hpp"
+#include "impact.hpp"
+#include "naming.hpp"
 
 namespace tact {
 namespace {

@@ -1,7 +1,7 @@
 // BDF2 whose history does not remember the velocity jump of an impact.
 #pragma once
 
-#include "tact/lib/integrator.hpp"
+#include "../lib/time/integrator.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/integrators/central_difference.hpp"
+#include "central_difference.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -6,11 +6,11 @@
 #include <random>
 #include <utility>
 
-#include "tact/integrators/hermite.hpp"
-#include "tact/integrators/impact.hpp"
-#include "tact/integrators/jumping_load.hpp"
-#include "tact/integrators/naming.hpp"
-#include "tact/lib/row_runs.hpp"
+#include "../lib/algebra/row_runs.hpp"
+#include "hermite.hpp"
+#include "impact.hpp"
+#include "jumping_load.hpp"
+#include "naming.hpp"
 
 namespace tact {
 namespace {

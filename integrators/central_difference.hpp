@@ -1,7 +1,7 @@
 // Central differences: explicit, with the contact conditions on the end of every step.
 #pragma once
 
-#include "tact/lib/integrator.hpp"
+#include "../lib/time/integrator.hpp"
 
 namespace tact {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tact/lib/stage.hpp"
+#include "../lib/time/stage.hpp"
 
 namespace tact {
 

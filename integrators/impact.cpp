@@ -1,4 +1,4 @@
-#include "tact/integrators/impact.hpp"
+#include "impact.hpp"
 
 #include <algorithm>
 #include <cmath>

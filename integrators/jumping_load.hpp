@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tact/lib/stage.hpp"
+#include "../lib/time/stage.hpp"
 
 namespace tact {
 

@@ -1,11 +1,11 @@
-#include "tact/integrators/moreau_jean.hpp"
+#include "moreau_jean.hpp"
 
 #include <utility>
 
-#include "tact/integrators/hermite.hpp"
-#include "tact/integrators/impact.hpp"
-#include "tact/integrators/naming.hpp"
-#include "tact/lib/row_runs.hpp"
+#include "../lib/algebra/row_runs.hpp"
+#include "hermite.hpp"
+#include "impact.hpp"
+#include "naming.hpp"
 
 namespace tact {
 namespace {

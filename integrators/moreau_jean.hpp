@@ -1,7 +1,7 @@
 // Moreau-Jean time stepping: the yardstick of nonsmooth dynamics.
 #pragma once
 
-#include "tact/lib/integrator.hpp"
+#include "../lib/time/integrator.hpp"
 
 namespace tact {
 

@@ -1,8 +1,8 @@
-#include "tact/integrators/quasi_static.hpp"
+#include "quasi_static.hpp"
 
 #include <utility>
 
-#include "tact/integrators/hermite.hpp"
+#include "hermite.hpp"
 
 namespace tact {
 namespace {

@@ -1,7 +1,7 @@
 // Equilibrium after equilibrium under a load and a gap that move slowly.
 #pragma once
 
-#include "tact/lib/integrator.hpp"
+#include "../lib/time/integrator.hpp"
 
 namespace tact {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../lib/errors.hpp"
 
 namespace tact {
 

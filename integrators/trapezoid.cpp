@@ -1,14 +1,14 @@
-#include "tact/integrators/trapezoid.hpp"
+#include "trapezoid.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "tact/integrators/hermite.hpp"
-#include "tact/integrators/impact.hpp"
-#include "tact/integrators/jumping_load.hpp"
-#include "tact/integrators/naming.hpp"
-#include "tact/lib/row_runs.hpp"
+#include "../lib/algebra/row_runs.hpp"
+#include "hermite.hpp"
+#include "impact.hpp"
+#include "jumping_load.hpp"
+#include "naming.hpp"
 
 namespace tact {
 namespace {

@@ -1,7 +1,7 @@
 // The trapezoid rule with the impact law at velocity level, and its family with numerical damping.
 #pragma once
 
-#include "tact/lib/integrator.hpp"
+#include "../lib/time/integrator.hpp"
 
 namespace tact {
 

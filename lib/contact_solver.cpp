@@ -1,6 +1,6 @@
-#include "tact/lib/contact_solver.hpp"
+#include "contact_solver.hpp"
 
-#include "tact/lib/linear_solver.hpp"
+#include "algebra/linear_solver.hpp"
 
 namespace tact {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string_view>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/kkt.hpp"
-#include "tact/lib/matrix.hpp"
+#include "errors.hpp"
+#include "kkt.hpp"
+#include "problem/matrix.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/errors.hpp"
+#include "errors.hpp"
 
 namespace tact {
 

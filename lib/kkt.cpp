@@ -1,4 +1,4 @@
-#include "tact/lib/kkt.hpp"
+#include "kkt.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/lane_ranges.hpp"
-#include "tact/lib/row_runs.hpp"
+#include "algebra/lane_ranges.hpp"
+#include "algebra/row_runs.hpp"
+#include "errors.hpp"
 
 namespace tact {
 namespace {

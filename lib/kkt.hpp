@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "tact/lib/matrix.hpp"
+#include "problem/matrix.hpp"
 
 namespace tact {
 

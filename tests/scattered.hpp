@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tact/lib/types.hpp"
+#include "../lib/types.hpp"
 
 namespace tact::testing {
 

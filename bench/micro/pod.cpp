@@ -1,12 +1,12 @@
 // POD of 40,000 x 800 snapshots by each method, and what its modes, range(0) of them, lose of their norm.
-#include "tact/rom/training/pod.hpp"
+#include "../../rom/bases/pod.hpp"
 
 #include <benchmark/benchmark.h>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/rom/training/pod_accumulator.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../rom/bases/pod_accumulator.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // What a reduced step costs: whole marches of the paper's two dynamic models, per step.
 #include <benchmark/benchmark.h>
 
-#include "tact/bench/micro/trained.hpp"
+#include "trained.hpp"
 
 namespace tact::bench {
 namespace {

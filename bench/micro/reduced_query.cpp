@@ -1,14 +1,14 @@
 // What one query of the static model costs at the paper's size: p = 20, its gap at gamma included.
 #include <benchmark/benchmark.h>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/lib/sparse/cholmod_solver.hpp"
-#include "tact/rom/online.hpp"
-#include "tact/rom/static_error_bound.hpp"
-#include "tact/rom/training/calibration.hpp"
-#include "tact/rom/training/sampling.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../lib/sparse/cholmod_solver.hpp"
+#include "../../rom/error/static_error_bound.hpp"
+#include "../../rom/greedy/calibration.hpp"
+#include "../../rom/greedy/sampling.hpp"
+#include "../../rom/model/online.hpp"
 
 namespace tact::bench {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "tact/bench/micro/trained.hpp"
-#include "tact/bench/peer_program.hpp"
-#include "tact/rom/build_reduced_model.hpp"
-#include "tact/rom/file/rom_file.hpp"
+#include "../../rom/file/rom_file.hpp"
+#include "../../rom/model/build_reduced_model.hpp"
+#include "../peers/peer_program.hpp"
+#include "trained.hpp"
 
 namespace tact::bench {
 namespace {

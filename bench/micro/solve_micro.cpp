@@ -5,9 +5,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/lib/scenes/plates.hpp"
-#include "tact/lib/sparse/cholmod_solver.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../lib/scenes/plates.hpp"
+#include "../../lib/sparse/cholmod_solver.hpp"
 
 namespace {
 

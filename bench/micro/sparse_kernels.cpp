@@ -1,10 +1,10 @@
 // The kernels a full step is made of: products, sweeps and certificates of the dynamic membrane and the plates.
 #include <benchmark/benchmark.h>
 
-#include "tact/contact/colour_sweeps.hpp"
-#include "tact/lib/kkt.hpp"
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/lib/scenes/plates.hpp"
+#include "../../contact/strategies/colour_sweeps.hpp"
+#include "../../lib/kkt.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../lib/scenes/plates.hpp"
 
 namespace {
 

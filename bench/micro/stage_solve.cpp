@@ -1,9 +1,9 @@
 // What one full contact solve costs at full size: a step in contact from each march, from the state before it.
 #include <benchmark/benchmark.h>
 
-#include "tact/bench/measure.hpp"
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/klu_active_set.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/strategies/klu_active_set.hpp"
+#include "../harness/measure.hpp"
 
 namespace tact::bench {
 namespace {

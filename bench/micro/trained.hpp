@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "tact/bench/measure.hpp"
-#include "tact/bench/scenes.hpp"
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/rom/training/greedy.hpp"
-#include "tact/rom/training/sampling.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../rom/greedy/greedy.hpp"
+#include "../../rom/greedy/sampling.hpp"
+#include "../harness/measure.hpp"
+#include "../harness/scenes.hpp"
 
 namespace tact::bench {
 

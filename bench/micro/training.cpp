@@ -2,14 +2,14 @@
 // multipliers of the rows it touches.
 #include <benchmark/benchmark.h>
 
-#include "tact/bench/measure.hpp"
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/rom/reduce.hpp"
-#include "tact/rom/training/compressed_basis.hpp"
-#include "tact/rom/training/gram.hpp"
-#include "tact/rom/training/indicator.hpp"
-#include "tact/rom/training/nnmf.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../rom/bases/compressed_basis.hpp"
+#include "../../rom/bases/gram.hpp"
+#include "../../rom/bases/nnmf.hpp"
+#include "../../rom/error/indicator.hpp"
+#include "../../rom/model/reduce.hpp"
+#include "../harness/measure.hpp"
 
 namespace tact::bench {
 namespace {

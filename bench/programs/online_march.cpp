@@ -1,8 +1,8 @@
 // A program that marches a reduced model held in memory: core, contact_dense, rom and integrators.
 #include <cstdio>
 
-#include "tact/bench/programs/reduced_chain.hpp"
-#include "tact/integrators/bdf2.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "reduced_chain.hpp"
 
 int main() {
     tact::ContactWorkspace workspace(std::make_shared<tact::DenseContact>());

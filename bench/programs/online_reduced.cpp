@@ -1,8 +1,8 @@
 // A program that asks a static reduced model held in memory: core, contact_dense and rom.
 #include <cstdio>
 
-#include "tact/bench/programs/reduced_chain.hpp"
-#include "tact/lib/stage.hpp"
+#include "../../lib/time/stage.hpp"
+#include "reduced_chain.hpp"
 
 int main() {
     tact::ContactWorkspace workspace(std::make_shared<tact::DenseContact>());

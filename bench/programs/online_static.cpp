@@ -1,8 +1,8 @@
 // A program that solves one static contact problem: what it links is what statics needs.
 #include <cstdio>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/lib/stage.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../lib/time/stage.hpp"
 
 int main() {
     constexpr int n = 1000;

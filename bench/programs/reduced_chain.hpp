@@ -1,8 +1,8 @@
 // A reduced model built in memory, for the online programs.
 #pragma once
 
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/rom/reduce.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../rom/model/reduce.hpp"
 
 namespace tact::bench {
 

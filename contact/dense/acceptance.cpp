@@ -1,4 +1,4 @@
-#include "tact/contact/dense/acceptance.hpp"
+#include "acceptance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The last word on an answer: no large entry, row or unknown hides what is wrong elsewhere.
 #pragma once
 
-#include "tact/lib/contact_solver.hpp"
+#include "../../lib/contact_solver.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/contact/dense/active_set.hpp"
+#include "active_set.hpp"
 
 #include <algorithm>
 #include <cmath>

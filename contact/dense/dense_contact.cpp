@@ -1,14 +1,14 @@
-#include "tact/contact/dense/dense_contact.hpp"
+#include "dense_contact.hpp"
 
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tact/contact/dense/acceptance.hpp"
-#include "tact/contact/dense/few_rows.hpp"
-#include "tact/contact/dense/goldfarb_idnani.hpp"
-#include "tact/lib/linear_solver.hpp"
+#include "../../lib/algebra/linear_solver.hpp"
+#include "acceptance.hpp"
+#include "few_rows.hpp"
+#include "goldfarb_idnani.hpp"
 
 namespace tact {
 namespace {

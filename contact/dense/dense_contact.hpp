@@ -1,7 +1,7 @@
 // Contact for reduced and other small problems: dense or diagonal A, one Schur complement, Goldfarb-Idnani.
 #pragma once
 
-#include "tact/lib/contact_solver.hpp"
+#include "../../lib/contact_solver.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/contact/dense/few_rows.hpp"
+#include "few_rows.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "tact/contact/dense/condensed_rows.hpp"
-#include "tact/contact/dense/rows_in_play.hpp"
-#include "tact/contact/dense/screened_gaps.hpp"
-#include "tact/lib/contact_solver.hpp"
+#include "../../lib/contact_solver.hpp"
+#include "condensed_rows.hpp"
+#include "rows_in_play.hpp"
+#include "screened_gaps.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/contact/dense/goldfarb_idnani.hpp"
+#include "goldfarb_idnani.hpp"
 
 #include <algorithm>
 #include <cmath>

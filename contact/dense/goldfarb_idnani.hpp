@@ -1,8 +1,8 @@
 // The dual active-set method of Goldfarb and Idnani on the condensed problem: finite, and safe with dependent rows.
 #pragma once
 
-#include "tact/contact/dense/schur_factor.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
+#include "schur_factor.hpp"
 
 namespace tact {
 

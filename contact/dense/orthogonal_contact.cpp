@@ -1,4 +1,4 @@
-#include "tact/contact/dense/orthogonal_contact.hpp"
+#include "orthogonal_contact.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tact/contact/dense/acceptance.hpp"
-#include "tact/contact/dense/orthogonal_factor.hpp"
+#include "acceptance.hpp"
+#include "orthogonal_factor.hpp"
 
 namespace tact {
 namespace {

@@ -1,7 +1,7 @@
 // The last resort for small and medium problems: Goldfarb and Idnani's method on an orthogonal factor.
 #pragma once
 
-#include "tact/lib/contact_solver.hpp"
+#include "../../lib/contact_solver.hpp"
 
 namespace tact {
 

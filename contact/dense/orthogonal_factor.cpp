@@ -1,4 +1,4 @@
-#include "tact/contact/dense/orthogonal_factor.hpp"
+#include "orthogonal_factor.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // A thin QR factor whose columns come and go.
 #pragma once
 
-#include "tact/lib/types.hpp"
+#include "../../lib/types.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/contact/dense/rows_in_play.hpp"
+#include "rows_in_play.hpp"
 
 namespace tact {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tact/contact/dense/goldfarb_idnani.hpp"
+#include "goldfarb_idnani.hpp"
 
 namespace tact {
 

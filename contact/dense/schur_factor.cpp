@@ -1,4 +1,4 @@
-#include "tact/contact/dense/schur_factor.hpp"
+#include "schur_factor.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "tact/contact/dense/screened_gaps.hpp"
+#include "screened_gaps.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tact/lib/types.hpp"
+#include "../../lib/types.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/integrators/sundials/arkode_run.hpp"
+#include "arkode_run.hpp"
 
 #include <arkode/arkode_arkstep.h>
 
@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "tact/integrators/acceleration.hpp"
-#include "tact/integrators/hermite.hpp"
-#include "tact/integrators/impact.hpp"
-#include "tact/integrators/sundials/check.hpp"
-#include "tact/integrators/sundials/linear_hook.hpp"
-#include "tact/integrators/sundials/stage_hook.hpp"
-#include "tact/integrators/sundials/stops.hpp"
-#include "tact/integrators/sundials/vector.hpp"
+#include "../acceleration.hpp"
+#include "../hermite.hpp"
+#include "../impact.hpp"
+#include "check.hpp"
+#include "linear_hook.hpp"
+#include "stage_hook.hpp"
+#include "stops.hpp"
+#include "vector.hpp"
 
 namespace tact::sundials {
 namespace {

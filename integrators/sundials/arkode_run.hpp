@@ -1,7 +1,7 @@
 // ARKODE's memory and what it is asked for: the inside of Arkode.
 #pragma once
 
-#include "tact/integrators/arkode.hpp"
+#include "arkode.hpp"
 
 namespace tact::sundials {
 

@@ -1,10 +1,10 @@
-#include "tact/integrators/sundials/butcher.hpp"
+#include "butcher.hpp"
 
 #include <arkode/arkode_butcher_dirk.h>
 
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::sundials {
 

@@ -1,7 +1,7 @@
 // ARKODE's own Butcher tables as data.
 #pragma once
 
-#include "tact/integrators/butcher_table.hpp"
+#include "butcher_table.hpp"
 
 namespace tact::sundials {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::sundials {
 

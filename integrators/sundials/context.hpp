@@ -3,7 +3,7 @@
 
 #include <sundials/sundials_context.h>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::sundials {
 

@@ -1,7 +1,7 @@
 // IDA's memory and what it is asked for: the inside of Ida.
 #pragma once
 
-#include "tact/integrators/ida.hpp"
+#include "ida.hpp"
 
 namespace tact::sundials {
 

@@ -1,8 +1,8 @@
-#include "tact/integrators/sundials/linear_hook.hpp"
+#include "linear_hook.hpp"
 
 #include <utility>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::sundials {
 

@@ -5,7 +5,7 @@
 
 #include <exception>
 
-#include "tact/integrators/sundials/context.hpp"
+#include "context.hpp"
 
 namespace tact::sundials {
 

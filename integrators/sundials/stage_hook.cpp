@@ -1,4 +1,4 @@
-#include "tact/integrators/sundials/stage_hook.hpp"
+#include "stage_hook.hpp"
 
 namespace tact::sundials {
 

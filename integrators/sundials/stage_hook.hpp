@@ -5,8 +5,8 @@
 
 #include <exception>
 
-#include "tact/integrators/sundials/context.hpp"
-#include "tact/lib/stage.hpp"
+#include "../../lib/time/stage.hpp"
+#include "context.hpp"
 
 namespace tact::sundials {
 

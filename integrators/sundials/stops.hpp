@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tact/lib/contact_problem.hpp"
+#include "../../lib/problem/contact_problem.hpp"
 
 namespace tact::sundials {
 

@@ -1,4 +1,4 @@
-#include "tact/integrators/sundials/vector.hpp"
+#include "vector.hpp"
 
 #include <algorithm>
 #include <cmath>

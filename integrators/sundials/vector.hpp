@@ -7,8 +7,8 @@
 #include <array>
 #include <utility>
 
-#include "tact/integrators/sundials/context.hpp"
-#include "tact/lib/types.hpp"
+#include "../../lib/types.hpp"
+#include "context.hpp"
 
 namespace tact::sundials {
 

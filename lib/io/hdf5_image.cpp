@@ -1,4 +1,4 @@
-#include "tact/lib/io/hdf5_image.hpp"
+#include "hdf5_image.hpp"
 
 #include <hdf5.h>
 
@@ -6,7 +6,7 @@
 #include <mutex>
 #include <utility>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tact/lib/types.hpp"
+#include "../types.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/io/matrix_market.hpp"
+#include "matrix_market.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../errors.hpp"
+#include "write_file.hpp"
 
 namespace tact {
 namespace {

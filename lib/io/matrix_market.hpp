@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "tact/lib/matrix.hpp"
+#include "../problem/matrix.hpp"
 
 namespace tact {
 

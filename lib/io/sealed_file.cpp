@@ -1,11 +1,11 @@
-#include "tact/lib/io/sealed_file.hpp"
+#include "sealed_file.hpp"
 
 #include <array>
 #include <charconv>
 #include <cstdint>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../errors.hpp"
+#include "write_file.hpp"
 
 namespace tact {
 namespace {

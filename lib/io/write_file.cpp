@@ -1,11 +1,11 @@
-#include "tact/lib/io/write_file.hpp"
+#include "write_file.hpp"
 
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <system_error>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

@@ -1,8 +1,8 @@
-#include "tact/lib/scenes/american_put.hpp"
+#include "american_put.hpp"
 
 #include <vector>
 
-#include "tact/lib/scenes/line_elements.hpp"
+#include "line_elements.hpp"
 
 namespace tact {
 

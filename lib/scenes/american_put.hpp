@@ -1,7 +1,7 @@
 // The American put: a parabolic obstacle problem, first order in time and not symmetric.
 #pragma once
 
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

@@ -1,9 +1,9 @@
-#include "tact/lib/scenes/bar.hpp"
+#include "bar.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

@@ -1,8 +1,8 @@
 // Elastic bars that meet a wall or each other, with what happens exactly.
 #pragma once
 
-#include "tact/lib/scenes/line_elements.hpp"
-#include "tact/lib/scenes/mesh.hpp"
+#include "line_elements.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

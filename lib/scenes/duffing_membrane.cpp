@@ -1,10 +1,10 @@
-#include "tact/lib/scenes/duffing_membrane.hpp"
+#include "duffing_membrane.hpp"
 
 #include <cmath>
 #include <string>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/scenes/membrane.hpp"
+#include "../errors.hpp"
+#include "membrane.hpp"
 
 namespace tact {
 

@@ -1,7 +1,7 @@
 // A membrane on a bed that stiffens: internal forces that are not linear.
 #pragma once
 
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

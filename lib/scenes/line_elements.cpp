@@ -1,10 +1,10 @@
-#include "tact/lib/scenes/line_elements.hpp"
+#include "line_elements.hpp"
 
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

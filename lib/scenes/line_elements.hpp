@@ -4,7 +4,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "tact/lib/matrix.hpp"
+#include "../problem/matrix.hpp"
 
 namespace tact {
 

@@ -1,10 +1,10 @@
-#include "tact/lib/scenes/mass_on_stop.hpp"
+#include "mass_on_stop.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "tact/lib/scenes/line_elements.hpp"
+#include "line_elements.hpp"
 
 namespace tact {
 namespace {

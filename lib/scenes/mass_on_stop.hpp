@@ -1,7 +1,7 @@
 // One mass above a rigid stop: a ball that bounces.
 #pragma once
 
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

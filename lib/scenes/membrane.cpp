@@ -1,9 +1,9 @@
-#include "tact/lib/scenes/membrane.hpp"
+#include "membrane.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

@@ -1,8 +1,8 @@
 // A membrane over an obstacle with two parameters, at rest or in motion.
 #pragma once
 
-#include "tact/lib/contact_family.hpp"
-#include "tact/lib/scenes/mesh.hpp"
+#include "../problem/contact_family.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

@@ -1,9 +1,9 @@
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 #include <algorithm>
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 

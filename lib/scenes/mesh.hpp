@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tact/lib/contact_problem.hpp"
+#include "../problem/contact_problem.hpp"
 
 namespace tact {
 

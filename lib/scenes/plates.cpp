@@ -1,10 +1,10 @@
-#include "tact/lib/scenes/plates.hpp"
+#include "plates.hpp"
 
 #include <array>
 #include <cmath>
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

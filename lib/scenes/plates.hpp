@@ -1,7 +1,7 @@
 // Two clamped plates, one above the other; a blow to the lower one drives it against the upper one.
 #pragma once
 
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

@@ -1,10 +1,10 @@
-#include "tact/lib/scenes/pressed_membrane.hpp"
+#include "pressed_membrane.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "tact/lib/scenes/line_elements.hpp"
-#include "tact/lib/scenes/membrane.hpp"
+#include "line_elements.hpp"
+#include "membrane.hpp"
 
 namespace tact {
 

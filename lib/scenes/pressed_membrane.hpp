@@ -1,7 +1,7 @@
 // A membrane under a stamp that moves slowly: equilibrium after equilibrium.
 #pragma once
 
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/radial_obstacle.hpp"
+#include "radial_obstacle.hpp"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 // A membrane over a ball, whose exact solution is known: the measure of the static discretisation.
 #pragma once
 
-#include "tact/lib/scenes/mesh.hpp"
+#include "mesh.hpp"
 
 namespace tact {
 

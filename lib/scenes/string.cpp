@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/string.hpp"
+#include "string.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // Strings over obstacles: one plucked above a point, one that is held by nothing but a hill.
 #pragma once
 
-#include "tact/lib/scenes/bar.hpp"
-#include "tact/lib/scenes/membrane.hpp"
+#include "bar.hpp"
+#include "membrane.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/aggregation.hpp"
+#include "aggregation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "tact/lib/sparse/band_factor.hpp"
+#include "band_factor.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <sstream>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

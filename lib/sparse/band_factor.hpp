@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tact/lib/types.hpp"
+#include "../types.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/cholmod_solver.hpp"
+#include "cholmod_solver.hpp"
 
 #include <cholmod.h>
 
@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/sparse/band_factor.hpp"
-#include "tact/lib/sparse/compliance.hpp"
-#include "tact/lib/sparse/supernodal_factor.hpp"
+#include "../errors.hpp"
+#include "band_factor.hpp"
+#include "compliance.hpp"
+#include "supernodal_factor.hpp"
 
 namespace tact {
 namespace {

@@ -1,7 +1,7 @@
 // CHOLMOD behind the LinearSolver seam: symmetric positive definite sparse matrices.
 #pragma once
 
-#include "tact/lib/linear_solver.hpp"
+#include "../algebra/linear_solver.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/compliance.hpp"
+#include "compliance.hpp"
 
 #include <algorithm>
 

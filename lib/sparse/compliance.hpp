@@ -1,7 +1,7 @@
 // R' A^-1 R for an R with few entries, from the part of a factor that they reach.
 #pragma once
 
-#include "tact/lib/sparse/supernodal_factor.hpp"
+#include "supernodal_factor.hpp"
 
 namespace tact {
 

@@ -1,10 +1,10 @@
-#include "tact/lib/sparse/klu_solver.hpp"
+#include "klu_solver.hpp"
 
 #include <klu.h>
 
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 

@@ -1,7 +1,7 @@
 // KLU: sparse LU for matrices that are not symmetric, and for one fixed pattern whose values change.
 #pragma once
 
-#include "tact/lib/linear_solver.hpp"
+#include "../algebra/linear_solver.hpp"
 
 namespace tact {
 

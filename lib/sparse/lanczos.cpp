@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/lanczos.hpp"
+#include "lanczos.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,7 +1,7 @@
 // A cheap estimate of conditioning: what a chooser asks before it picks a solver.
 #pragma once
 
-#include "tact/lib/matrix.hpp"
+#include "../problem/matrix.hpp"
 
 namespace tact {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/numbering.hpp"
+#include "numbering.hpp"
 
 #include <algorithm>
 #include <cstdlib>

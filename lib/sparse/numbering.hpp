@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tact/lib/matrix.hpp"
+#include "../problem/matrix.hpp"
 
 namespace tact {
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "tact/lib/types.hpp"
+#include "../types.hpp"
 
 namespace tact {
 

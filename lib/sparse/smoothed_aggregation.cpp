@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/smoothed_aggregation.hpp"
+#include "smoothed_aggregation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <string>
 
-#include "tact/lib/errors.hpp"
+#include "../errors.hpp"
 
 namespace tact {
 namespace {

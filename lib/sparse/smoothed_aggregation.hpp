@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "tact/lib/sparse/aggregation.hpp"
-#include "tact/lib/sparse/sliced_rows.hpp"
+#include "aggregation.hpp"
+#include "sliced_rows.hpp"
 
 namespace tact {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tact/lib/sparse/supernodal_factor.hpp"
+#include "supernodal_factor.hpp"
 
 namespace tact {
 namespace {

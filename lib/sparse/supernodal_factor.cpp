@@ -1,9 +1,9 @@
-#include "tact/lib/sparse/supernodal_factor.hpp"
+#include "supernodal_factor.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "tact/lib/sparse/supernodal_kernels.hpp"
+#include "supernodal_kernels.hpp"
 
 namespace tact {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tact/lib/types.hpp"
+#include "../types.hpp"
 
 namespace tact {
 

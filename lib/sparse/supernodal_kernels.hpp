@@ -1,7 +1,7 @@
 // Products of small bands with a few right-hand sides: what the passes of a SupernodalFactor are made of.
 #pragma once
 
-#include "tact/lib/types.hpp"
+#include "../types.hpp"
 
 namespace tact::supernodal {
 

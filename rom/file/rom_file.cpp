@@ -1,6 +1,6 @@
-#include "tact/rom/file/rom_file.hpp"
+#include "rom_file.hpp"
 
-#include "tact/lib/io/hdf5_image.hpp"
+#include "../../lib/io/hdf5_image.hpp"
 
 namespace tact {
 namespace {

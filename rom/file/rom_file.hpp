@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "tact/lib/io/sealed_file.hpp"
-#include "tact/rom/reduced_model.hpp"
+#include "../../lib/io/sealed_file.hpp"
+#include "../model/reduced_model.hpp"
 
 namespace tact {
 

@@ -1,11 +1,11 @@
-#include "tact/bench/bases.hpp"
+#include "../../bench/studies/bases/bases.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/bench/paper_study.hpp"
-#include "tact/bench/reference_runs.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../bench/harness/paper_study.hpp"
+#include "../../bench/harness/reference_runs.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,12 +1,12 @@
-#include "tact/bench/basis_errors.hpp"
+#include "../../bench/harness/basis_errors.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/trajectory.hpp"
-#include "tact/rom/training/relative_error.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../lib/time/trajectory.hpp"
+#include "../../rom/error/relative_error.hpp"
 
 namespace tact::bench {
 namespace {

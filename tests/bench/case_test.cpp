@@ -1,12 +1,12 @@
-#include "tact/bench/case.hpp"
+#include "../../bench/commands/case.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tact/bench/scenes.hpp"
-#include "tact/contact/automatic.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../bench/harness/scenes.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tact/bench/downsampling.hpp"
+#include "../../bench/studies/downsampling/downsampling.hpp"
 
 #include <gtest/gtest.h>
 

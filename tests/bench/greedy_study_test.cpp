@@ -1,10 +1,10 @@
-#include "tact/bench/greedy_study.hpp"
+#include "../../bench/studies/greedy/greedy_study.hpp"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

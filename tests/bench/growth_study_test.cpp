@@ -1,8 +1,8 @@
-#include "tact/bench/growth_study.hpp"
+#include "../../bench/studies/growth/growth_study.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tact/bench/histories.hpp"
+#include "../../bench/studies/histories/histories.hpp"
 
 #include <gtest/gtest.h>
 

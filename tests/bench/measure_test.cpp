@@ -1,12 +1,12 @@
-#include "tact/bench/measure.hpp"
+#include "../../bench/harness/measure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "tact/bench/interior_point.hpp"
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/klu_active_set.hpp"
+#include "../../bench/peers/interior_point.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/strategies/klu_active_set.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,8 +1,8 @@
-#include "tact/bench/omission.hpp"
+#include "../../bench/studies/omission/omission.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

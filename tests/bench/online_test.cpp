@@ -1,8 +1,8 @@
-#include "tact/bench/online.hpp"
+#include "../../bench/studies/online/online.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

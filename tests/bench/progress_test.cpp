@@ -1,11 +1,11 @@
-#include "tact/bench/progress.hpp"
+#include "../../bench/harness/progress.hpp"
 
 #include <gtest/gtest.h>
 
 #include <csignal>
 #include <sstream>
 
-#include "tact/bench/interrupt.hpp"
+#include "../../bench/harness/interrupt.hpp"
 
 namespace tact::bench {
 namespace {

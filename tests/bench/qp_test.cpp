@@ -1,9 +1,9 @@
-#include "tact/bench/qp.hpp"
+#include "../../bench/commands/qp.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/bench/contact_solvers.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../../bench/harness/contact_solvers.hpp"
+#include "../../lib/io/write_file.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,10 +1,10 @@
-#include "tact/bench/report.hpp"
+#include "../../bench/harness/report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "tact/bench/timing.hpp"
+#include "../../bench/harness/timing.hpp"
 
 namespace tact::bench {
 namespace {

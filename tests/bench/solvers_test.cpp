@@ -1,4 +1,4 @@
-#include "tact/bench/solvers.hpp"
+#include "../../bench/studies/solvers/solvers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,14 +6,14 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "tact/bench/contact_solvers.hpp"
-#include "tact/bench/growth.hpp"
-#include "tact/bench/interior_point.hpp"
-#include "tact/bench/isolated.hpp"
-#include "tact/bench/peer_program.hpp"
-#include "tact/bench/petsc_peer.hpp"
-#include "tact/bench/solver_timing.hpp"
-#include "tact/bench/timing.hpp"
+#include "../../bench/harness/contact_solvers.hpp"
+#include "../../bench/harness/growth.hpp"
+#include "../../bench/harness/isolated.hpp"
+#include "../../bench/harness/timing.hpp"
+#include "../../bench/peers/interior_point.hpp"
+#include "../../bench/peers/peer_program.hpp"
+#include "../../bench/peers/petsc_peer.hpp"
+#include "../../bench/studies/solvers/solver_timing.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,13 +1,13 @@
-#include "tact/bench/speedup.hpp"
+#include "../../bench/studies/speedup/speedup.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "tact/bench/interior_point.hpp"
-#include "tact/bench/report.hpp"
-#include "tact/lib/errors.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../../bench/harness/report.hpp"
+#include "../../bench/peers/interior_point.hpp"
+#include "../../lib/errors.hpp"
+#include "../../lib/io/write_file.hpp"
 
 namespace tact::bench {
 namespace {

@@ -1,12 +1,12 @@
-#include "tact/bench/stability.hpp"
+#include "../../bench/studies/stability/stability.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tact/bench/stability_row.hpp"
-#include "tact/lib/errors.hpp"
-#include "tact/lib/scenes/mass_on_stop.hpp"
+#include "../../bench/studies/stability/stability_row.hpp"
+#include "../../lib/errors.hpp"
+#include "../../lib/scenes/mass_on_stop.hpp"
 
 namespace tact::bench {
 namespace {

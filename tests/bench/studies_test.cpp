@@ -1,4 +1,4 @@
-#include "tact/bench/studies.hpp"
+#include "../../bench/harness/studies.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -14,12 +14,12 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tact/bench/beside.hpp"
-#include "tact/bench/interrupt.hpp"
-#include "tact/bench/isolated.hpp"
-#include "tact/bench/report.hpp"
-#include "tact/lib/errors.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../../bench/harness/beside.hpp"
+#include "../../bench/harness/interrupt.hpp"
+#include "../../bench/harness/isolated.hpp"
+#include "../../bench/harness/report.hpp"
+#include "../../lib/errors.hpp"
+#include "../../lib/io/write_file.hpp"
 
 namespace tact::bench {
 namespace {

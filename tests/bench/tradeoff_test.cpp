@@ -1,8 +1,8 @@
-#include "tact/bench/tradeoff.hpp"
+#include "../../bench/studies/tradeoff/tradeoff.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/lib/errors.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

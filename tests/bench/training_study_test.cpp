@@ -1,10 +1,10 @@
-#include "tact/bench/training_study.hpp"
+#include "../../bench/studies/training/training_study.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "tact/bench/peak_memory.hpp"
+#include "../../bench/harness/peak_memory.hpp"
 
 namespace tact::bench {
 namespace {

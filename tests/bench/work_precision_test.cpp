@@ -1,19 +1,19 @@
-#include "tact/bench/work_precision.hpp"
+#include "../../bench/studies/work_precision/work_precision.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "tact/bench/peer_program.hpp"
-#include "tact/bench/scenes.hpp"
-#include "tact/bench/siconos_peer.hpp"
-#include "tact/bench/work_precision_answers.hpp"
-#include "tact/bench/work_precision_gsl.hpp"
-#include "tact/bench/work_precision_run.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../bench/harness/scenes.hpp"
+#include "../../bench/peers/peer_program.hpp"
+#include "../../bench/peers/siconos_peer.hpp"
+#include "../../bench/studies/work_precision/work_precision_answers.hpp"
+#include "../../bench/studies/work_precision/work_precision_gsl.hpp"
+#include "../../bench/studies/work_precision/work_precision_run.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../lib/errors.hpp"
 
 namespace tact::bench {
 namespace {

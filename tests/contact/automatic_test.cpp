@@ -1,5 +1,5 @@
 // What the chooser takes, why, and when it changes its mind.
-#include "tact/contact/automatic.hpp"
+#include "../../contact/automatic.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "tact/contact/klu_active_set.hpp"
-#include "tact/contact/matrix_facts.hpp"
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/lib/sparse/lanczos.hpp"
+#include "../../contact/prepare/matrix_facts.hpp"
+#include "../../contact/strategies/klu_active_set.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../lib/sparse/lanczos.hpp"
 
 namespace tact {
 namespace {

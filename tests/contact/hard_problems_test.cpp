@@ -4,15 +4,15 @@
 #include <limits>
 #include <memory>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/contact/dense/orthogonal_contact.hpp"
-#include "tact/contact/klu_active_set.hpp"
-#include "tact/contact/principal_pivoting.hpp"
-#include "tact/contact/proximal_contact.hpp"
-#include "tact/tests/laws/judge.hpp"
-#include "tact/tests/laws/quadratic_programs.hpp"
-#include "tact/tests/laws/strategies.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../contact/dense/orthogonal_contact.hpp"
+#include "../../contact/strategies/klu_active_set.hpp"
+#include "../../contact/strategies/principal_pivoting.hpp"
+#include "../../contact/strategies/proximal_contact.hpp"
+#include "../laws/judge.hpp"
+#include "../laws/quadratic_programs.hpp"
+#include "../laws/strategies.hpp"
 
 namespace tact::laws {
 namespace {

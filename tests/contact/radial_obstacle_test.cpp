@@ -1,11 +1,11 @@
 // Against the exact solution of an obstacle problem: what all of the static chain is worth.
-#include "tact/lib/scenes/radial_obstacle.hpp"
+#include "../../lib/scenes/radial_obstacle.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tact/contact/automatic.hpp"
+#include "../../contact/automatic.hpp"
 
 namespace tact {
 namespace {

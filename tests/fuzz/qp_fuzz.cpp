@@ -6,9 +6,9 @@
 #include <optional>
 #include <sstream>
 
-#include "tact/lib/errors.hpp"
-#include "tact/tests/laws/judge.hpp"
-#include "tact/tests/laws/strategies.hpp"
+#include "../../lib/errors.hpp"
+#include "../laws/judge.hpp"
+#include "../laws/strategies.hpp"
 
 namespace tact::laws {
 namespace {

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <map>
 
-#include "tact/tests/laws/generated.hpp"
+#include "../laws/generated.hpp"
 
 namespace tact::laws {
 namespace {

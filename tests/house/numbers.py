@@ -2,14 +2,14 @@
 """Figures in README.md and docs/*.md are those of docs/results/*.json. With --write they are made so.
 
 A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup), FORMAT is a function of
-bench/plots/index.py: number, seconds, times, percent."""
+bench/harness/index.py: number, seconds, times, percent."""
 import json
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "bench/plots"))
+sys.path.insert(0, str(ROOT / "bench/harness"))
 sys.dont_write_bytecode = True
 import index  # noqa: E402
 

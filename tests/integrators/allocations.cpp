@@ -1,4 +1,4 @@
-#include "tact/tests/integrators/allocations.hpp"
+#include "allocations.hpp"
 
 #include <cstdlib>
 

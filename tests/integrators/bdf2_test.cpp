@@ -1,18 +1,18 @@
-#include "tact/integrators/bdf2.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/contact/schur_contact.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/linear_solver.hpp"
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/lib/trajectory.hpp"
-#include "tact/tests/integrators/allocations.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../contact/strategies/schur_contact.hpp"
+#include "../../lib/algebra/linear_solver.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../lib/time/energy.hpp"
+#include "../../lib/time/trajectory.hpp"
+#include "allocations.hpp"
 
 namespace tact {
 namespace {

@@ -1,4 +1,4 @@
-#include "tact/integrators/central_difference.hpp"
+#include "../../integrators/central_difference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/lib/scenes/bar.hpp"
-#include "tact/tests/integrators/random_systems.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../lib/scenes/bar.hpp"
+#include "random_systems.hpp"
 
 namespace tact {
 namespace {

@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "tact/integrators/arkode.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/integrators/bdf2_without_jump.hpp"
-#include "tact/integrators/central_difference.hpp"
-#include "tact/integrators/ida.hpp"
-#include "tact/integrators/moreau_jean.hpp"
-#include "tact/integrators/trapezoid.hpp"
+#include "../../integrators/bdf2_without_jump.hpp"
+#include "../../integrators/central_difference.hpp"
+#include "../../integrators/moreau_jean.hpp"
+#include "../../integrators/sundials/arkode.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../integrators/sundials/ida.hpp"
+#include "../../integrators/trapezoid.hpp"
 
 namespace tact::testing {
 

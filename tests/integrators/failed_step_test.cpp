@@ -1,9 +1,9 @@
 // A contact solver that fails once: the step that meets it is reported and changes nothing, and the next one repeats it.
 #include <gtest/gtest.h>
 
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/lib/scenes/mass_on_stop.hpp"
-#include "tact/tests/integrators/every_integrator.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../lib/scenes/mass_on_stop.hpp"
+#include "every_integrator.hpp"
 
 namespace tact {
 namespace {

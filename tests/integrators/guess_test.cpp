@@ -1,9 +1,9 @@
 // Whether a contact solver reads its guess may differ from one matrix to the next, and so from one step to the next.
 #include <gtest/gtest.h>
 
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/lib/scenes/mass_on_stop.hpp"
-#include "tact/tests/integrators/every_integrator.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../lib/scenes/mass_on_stop.hpp"
+#include "every_integrator.hpp"
 
 namespace tact {
 namespace {

@@ -1,15 +1,15 @@
-#include "tact/integrators/ida.hpp"
+#include "../../integrators/sundials/ida.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/integrators/arkode.hpp"
-#include "tact/integrators/quasi_static.hpp"
-#include "tact/integrators/trapezoid.hpp"
-#include "tact/lib/linear_solver.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../integrators/quasi_static.hpp"
+#include "../../integrators/sundials/arkode.hpp"
+#include "../../integrators/trapezoid.hpp"
+#include "../../lib/algebra/linear_solver.hpp"
 
 namespace tact {
 namespace {

@@ -3,19 +3,19 @@
 
 #include <cmath>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/integrators/arkode.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/integrators/bdf2_without_jump.hpp"
-#include "tact/integrators/central_difference.hpp"
-#include "tact/integrators/ida.hpp"
-#include "tact/integrators/moreau_jean.hpp"
-#include "tact/integrators/trapezoid.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/impact_ledger.hpp"
-#include "tact/lib/scenes/bar.hpp"
-#include "tact/tests/integrators/random_systems.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../integrators/bdf2_without_jump.hpp"
+#include "../../integrators/central_difference.hpp"
+#include "../../integrators/moreau_jean.hpp"
+#include "../../integrators/sundials/arkode.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../integrators/sundials/ida.hpp"
+#include "../../integrators/trapezoid.hpp"
+#include "../../lib/scenes/bar.hpp"
+#include "../../lib/time/energy.hpp"
+#include "../../lib/time/impact_ledger.hpp"
+#include "random_systems.hpp"
 
 namespace tact {
 namespace {

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <functional>
 
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/integrators/arkode.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/integrators/bdf2_without_jump.hpp"
-#include "tact/integrators/central_difference.hpp"
-#include "tact/integrators/ida.hpp"
-#include "tact/integrators/moreau_jean.hpp"
-#include "tact/integrators/quasi_static.hpp"
-#include "tact/integrators/trapezoid.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../integrators/bdf2_without_jump.hpp"
+#include "../../integrators/central_difference.hpp"
+#include "../../integrators/moreau_jean.hpp"
+#include "../../integrators/quasi_static.hpp"
+#include "../../integrators/sundials/arkode.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../integrators/sundials/ida.hpp"
+#include "../../integrators/trapezoid.hpp"
 
 namespace tact {
 namespace {

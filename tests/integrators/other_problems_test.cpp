@@ -3,18 +3,18 @@
 
 #include <cmath>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/integrators/arkode.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/integrators/bdf2_without_jump.hpp"
-#include "tact/integrators/ida.hpp"
-#include "tact/integrators/quasi_static.hpp"
-#include "tact/integrators/trapezoid.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/scenes/american_put.hpp"
-#include "tact/lib/scenes/duffing_membrane.hpp"
-#include "tact/lib/scenes/pressed_membrane.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../integrators/bdf2_without_jump.hpp"
+#include "../../integrators/quasi_static.hpp"
+#include "../../integrators/sundials/arkode.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../integrators/sundials/ida.hpp"
+#include "../../integrators/trapezoid.hpp"
+#include "../../lib/scenes/american_put.hpp"
+#include "../../lib/scenes/duffing_membrane.hpp"
+#include "../../lib/scenes/pressed_membrane.hpp"
+#include "../../lib/time/energy.hpp"
 
 namespace tact {
 namespace {

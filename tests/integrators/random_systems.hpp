@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "tact/lib/contact_problem.hpp"
+#include "../../lib/problem/contact_problem.hpp"
 
 namespace tact::testing {
 

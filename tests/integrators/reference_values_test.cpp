@@ -5,11 +5,11 @@
 #include <cmath>
 #include <span>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/scenes/membrane.hpp"
-#include "tact/lib/scenes/plates.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../lib/scenes/membrane.hpp"
+#include "../../lib/scenes/plates.hpp"
+#include "../../lib/time/energy.hpp"
 
 namespace tact {
 namespace {

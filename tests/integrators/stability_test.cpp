@@ -3,20 +3,20 @@
 
 #include <cmath>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/integrators/arkode.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/integrators/bdf2_without_jump.hpp"
-#include "tact/integrators/ida.hpp"
-#include "tact/integrators/moreau_jean.hpp"
-#include "tact/integrators/trapezoid.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/scenes/bar.hpp"
-#include "tact/lib/scenes/mass_on_stop.hpp"
-#include "tact/tests/integrators/allocations.hpp"
-#include "tact/tests/integrators/every_integrator.hpp"
-#include "tact/tests/integrators/thrown_plates.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../integrators/bdf2_without_jump.hpp"
+#include "../../integrators/moreau_jean.hpp"
+#include "../../integrators/sundials/arkode.hpp"
+#include "../../integrators/sundials/bdf2.hpp"
+#include "../../integrators/sundials/ida.hpp"
+#include "../../integrators/trapezoid.hpp"
+#include "../../lib/scenes/bar.hpp"
+#include "../../lib/scenes/mass_on_stop.hpp"
+#include "../../lib/time/energy.hpp"
+#include "allocations.hpp"
+#include "every_integrator.hpp"
+#include "thrown_plates.hpp"
 
 namespace tact {
 namespace {

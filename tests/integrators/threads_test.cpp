@@ -3,9 +3,9 @@
 
 #include <thread>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/tests/integrators/every_integrator.hpp"
-#include "tact/tests/integrators/thrown_plates.hpp"
+#include "../../contact/automatic.hpp"
+#include "every_integrator.hpp"
+#include "thrown_plates.hpp"
 
 namespace tact {
 namespace {

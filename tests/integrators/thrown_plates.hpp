@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tact/lib/scenes/plates.hpp"
-#include "tact/rom/reduce.hpp"
+#include "../../lib/scenes/plates.hpp"
+#include "../../rom/model/reduce.hpp"
 
 namespace tact::testing {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "tact/tests/laws/strategies.hpp"
+#include "strategies.hpp"
 
 namespace tact::laws {
 namespace {

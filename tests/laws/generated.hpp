@@ -7,9 +7,9 @@
 #include <random>
 #include <string>
 
-#include "tact/lib/errors.hpp"
-#include "tact/tests/laws/judge.hpp"
-#include "tact/tests/laws/strategies.hpp"
+#include "../../lib/errors.hpp"
+#include "judge.hpp"
+#include "strategies.hpp"
 
 namespace tact::laws {
 

@@ -1,5 +1,5 @@
 // A first stretch of the generated programmes; tests/generated runs any number of them.
-#include "tact/tests/laws/generated.hpp"
+#include "generated.hpp"
 
 #include <gtest/gtest.h>
 

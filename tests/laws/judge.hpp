@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "tact/lib/contact_solver.hpp"
-#include "tact/tests/laws/quadratic_programs.hpp"
+#include "../../lib/contact_solver.hpp"
+#include "quadratic_programs.hpp"
 
 namespace tact::laws {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "tact/lib/matrix.hpp"
+#include "../../lib/problem/matrix.hpp"
 
 namespace tact::laws {
 

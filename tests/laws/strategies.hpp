@@ -4,18 +4,18 @@
 #include <memory>
 #include <vector>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/contact/colour_sor.hpp"
-#include "tact/contact/dense/dense_contact.hpp"
-#include "tact/contact/dense/orthogonal_contact.hpp"
-#include "tact/contact/interior_point.hpp"
-#include "tact/contact/klu_active_set.hpp"
-#include "tact/contact/multigrid_active_set.hpp"
-#include "tact/contact/principal_pivoting.hpp"
-#include "tact/contact/projected_cg.hpp"
-#include "tact/contact/refined_contact.hpp"
-#include "tact/contact/schur_contact.hpp"
-#include "tact/tests/laws/quadratic_programs.hpp"
+#include "../../contact/automatic.hpp"
+#include "../../contact/dense/dense_contact.hpp"
+#include "../../contact/dense/orthogonal_contact.hpp"
+#include "../../contact/strategies/colour_sor.hpp"
+#include "../../contact/strategies/interior_point.hpp"
+#include "../../contact/strategies/klu_active_set.hpp"
+#include "../../contact/strategies/multigrid_active_set.hpp"
+#include "../../contact/strategies/principal_pivoting.hpp"
+#include "../../contact/strategies/projected_cg.hpp"
+#include "../../contact/strategies/refined_contact.hpp"
+#include "../../contact/strategies/schur_contact.hpp"
+#include "quadratic_programs.hpp"
 
 namespace tact::laws {
 

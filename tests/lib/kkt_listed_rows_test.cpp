@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/kkt.hpp"
+#include "../../lib/errors.hpp"
+#include "../../lib/kkt.hpp"
 
 namespace tact {
 namespace {

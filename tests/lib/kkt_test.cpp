@@ -1,4 +1,4 @@
-#include "tact/lib/kkt.hpp"
+#include "../../lib/kkt.hpp"
 
 #include <gtest/gtest.h>
 

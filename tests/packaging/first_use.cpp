@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <memory>
 #include <tact/contact/dense/dense_contact.hpp>
-#include <tact/lib/stage.hpp>
+#include <tact/lib/time/stage.hpp>
 
 // README.md shows this program; tests/house/readme.py compares the two.
 int main() {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "tact/lib/contact_family.hpp"
-#include "tact/tests/scattered.hpp"
+#include "../../lib/problem/contact_family.hpp"
+#include "../scattered.hpp"
 
 namespace tact::testing {
 

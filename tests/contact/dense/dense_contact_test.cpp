@@ -1,12 +1,12 @@
-#include "tact/contact/dense/dense_contact.hpp"
+#include "../../../contact/dense/dense_contact.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "tact/contact/dense/screened_gaps.hpp"
-#include "tact/tests/scattered.hpp"
+#include "../../../contact/dense/screened_gaps.hpp"
+#include "../../scattered.hpp"
 
 namespace tact {
 namespace {

@@ -1,5 +1,5 @@
 // A factor that has been changed many times, against Eigen's of the rows it is left with.
-#include "tact/contact/dense/schur_factor.hpp"
+#include "../../../contact/dense/schur_factor.hpp"
 
 #include <gtest/gtest.h>
 

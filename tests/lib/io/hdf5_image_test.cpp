@@ -1,11 +1,11 @@
-#include "tact/lib/io/hdf5_image.hpp"
+#include "../../../lib/io/hdf5_image.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <limits>
 
-#include "tact/lib/errors.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

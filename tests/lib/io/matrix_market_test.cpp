@@ -1,9 +1,9 @@
-#include "tact/lib/io/matrix_market.hpp"
+#include "../../../lib/io/matrix_market.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../../../lib/errors.hpp"
+#include "../../../lib/io/write_file.hpp"
 
 namespace tact {
 namespace {

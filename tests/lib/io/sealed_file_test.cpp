@@ -1,11 +1,11 @@
-#include "tact/lib/io/sealed_file.hpp"
+#include "../../../lib/io/sealed_file.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 
-#include "tact/lib/errors.hpp"
-#include "tact/lib/io/write_file.hpp"
+#include "../../../lib/errors.hpp"
+#include "../../../lib/io/write_file.hpp"
 
 namespace tact {
 namespace {

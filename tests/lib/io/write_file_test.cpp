@@ -1,11 +1,11 @@
-#include "tact/lib/io/write_file.hpp"
+#include "../../../lib/io/write_file.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <stdexcept>
 
-#include "tact/lib/errors.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

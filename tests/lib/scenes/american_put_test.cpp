@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/american_put.hpp"
+#include "../../../lib/scenes/american_put.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../../contact/automatic.hpp"
+#include "../../../integrators/sundials/bdf2.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/bar.hpp"
+#include "../../../lib/scenes/bar.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <functional>
 #include <vector>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/errors.hpp"
-#include "tact/lib/mass_redistribution.hpp"
+#include "../../../contact/automatic.hpp"
+#include "../../../integrators/sundials/bdf2.hpp"
+#include "../../../lib/errors.hpp"
+#include "../../../lib/problem/mass_redistribution.hpp"
+#include "../../../lib/time/energy.hpp"
 
 namespace tact {
 namespace {

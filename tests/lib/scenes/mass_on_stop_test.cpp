@@ -1,13 +1,13 @@
-#include "tact/lib/scenes/mass_on_stop.hpp"
+#include "../../../lib/scenes/mass_on_stop.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../../contact/automatic.hpp"
+#include "../../../integrators/sundials/bdf2.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

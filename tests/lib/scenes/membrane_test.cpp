@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/membrane.hpp"
+#include "../../../lib/scenes/membrane.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tact/lib/errors.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

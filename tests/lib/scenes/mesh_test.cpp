@@ -1,8 +1,8 @@
-#include "tact/lib/scenes/mesh.hpp"
+#include "../../../lib/scenes/mesh.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tact/lib/errors.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

@@ -1,11 +1,11 @@
-#include "tact/lib/scenes/plates.hpp"
+#include "../../../lib/scenes/plates.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "tact/lib/errors.hpp"
+#include "../../../lib/errors.hpp"
 
 namespace tact {
 namespace {

@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/pressed_membrane.hpp"
+#include "../../../lib/scenes/pressed_membrane.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/lib/errors.hpp"
-#include "tact/lib/stage.hpp"
+#include "../../../contact/automatic.hpp"
+#include "../../../lib/errors.hpp"
+#include "../../../lib/time/stage.hpp"
 
 namespace tact {
 namespace {

@@ -1,4 +1,4 @@
-#include "tact/lib/scenes/string.hpp"
+#include "../../../lib/scenes/string.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "tact/contact/automatic.hpp"
-#include "tact/integrators/bdf2.hpp"
-#include "tact/lib/energy.hpp"
-#include "tact/lib/errors.hpp"
+#include "../../../contact/automatic.hpp"
+#include "../../../integrators/sundials/bdf2.hpp"
+#include "../../../lib/errors.hpp"
+#include "../../../lib/time/energy.hpp"
 
 namespace tact {
 namespace {

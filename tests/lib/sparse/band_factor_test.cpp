@@ -1,12 +1,12 @@
-#include "tact/lib/sparse/band_factor.hpp"
+#include "../../../lib/sparse/band_factor.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <random>
 
-#include "tact/lib/errors.hpp"
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "../../../lib/errors.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

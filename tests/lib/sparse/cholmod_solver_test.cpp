@@ -1,12 +1,12 @@
-#include "tact/lib/sparse/cholmod_solver.hpp"
+#include "../../../lib/sparse/cholmod_solver.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 
-#include "tact/lib/errors.hpp"
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "../../../lib/errors.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

@@ -4,9 +4,9 @@
 #include <Eigen/SparseCholesky>
 #include <random>
 
-#include "tact/lib/sparse/cholmod_solver.hpp"
-#include "tact/lib/sparse/klu_solver.hpp"
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "../../../lib/sparse/cholmod_solver.hpp"
+#include "../../../lib/sparse/klu_solver.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

@@ -1,11 +1,11 @@
-#include "tact/lib/sparse/klu_solver.hpp"
+#include "../../../lib/sparse/klu_solver.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/SparseLU>
 
-#include "tact/lib/errors.hpp"
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "../../../lib/errors.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

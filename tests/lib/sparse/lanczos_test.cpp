@@ -1,10 +1,10 @@
-#include "tact/lib/sparse/lanczos.hpp"
+#include "../../../lib/sparse/lanczos.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

@@ -1,12 +1,12 @@
-#include "tact/lib/sparse/numbering.hpp"
+#include "../../../lib/sparse/numbering.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "tact/lib/sparse/aggregation.hpp"
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "../../../lib/sparse/aggregation.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

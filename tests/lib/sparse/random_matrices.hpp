@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tact/lib/matrix.hpp"
+#include "../../../lib/problem/matrix.hpp"
 
 namespace tact::test {
 

@@ -1,4 +1,4 @@
-#include "tact/lib/sparse/smoothed_aggregation.hpp"
+#include "../../../lib/sparse/smoothed_aggregation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <random>
 
-#include "tact/lib/errors.hpp"
-#include "tact/tests/lib/sparse/random_matrices.hpp"
+#include "../../../lib/errors.hpp"
+#include "random_matrices.hpp"
 
 namespace tact {
 namespace {

@@ -1,8 +1,0 @@
-#include "tact/bench/interior_point.hpp"
-
-namespace tact::bench {
-
-std::shared_ptr<const ContactSolver> interior_point() { return nullptr; }
-std::string interior_point_version() { return {}; }
-
-}  // namespace tact::bench

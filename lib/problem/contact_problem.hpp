@@ -1,0 +1,74 @@
+// The semi-discrete contact problem, in one notation for full and reduced, static and dynamic.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "matrix.hpp"
+
+namespace tact {
+
+/// Which limit of a function that jumps: f(t-) or f(t+).
+enum class Side { left, right };
+
+/// A vector in time that is affine in a few scalar functions: modes * coefficients(t). Loads and gaps come in this
+/// form so that they are projected once and a reduced step never touches the full size.
+struct AffineVector {
+    using Coefficients = std::function<void(double t, Side side, VectorRef out)>;
+
+    AffineVector() = default;
+    /// Constant in time.
+    AffineVector(Vector constant) : modes(std::move(constant)) {}  // NOLINT: a vector is a constant load
+    /// n x k modes; `coefficients` fills k numbers and must not allocate. `jumps`: times where it is discontinuous.
+    AffineVector(DenseMatrix modes_, Coefficients coefficients_, std::vector<double> jumps_ = {})
+        : modes(std::move(modes_)), coefficients(std::move(coefficients_)), jumps(std::move(jumps_)) {}
+
+    Index size() const { return modes.rows(); }
+    bool constant() const { return !coefficients; }
+    /// out = modes * coefficients(t); `scratch` holds at least modes.cols() numbers.
+    void evaluate(double t, Side side, VectorRef scratch, VectorRef out) const;
+    Vector at(double t, Side side = Side::right) const;
+
+    DenseMatrix modes;
+    Coefficients coefficients;  ///< empty: all ones, for ever
+    std::vector<double> jumps;
+};
+
+/// Internal forces that are not linear in u, beside K u, with their tangent.
+struct InternalForce {
+    /// out = r(u), n numbers; must not allocate in a step.
+    std::function<void(const ConstVectorRef& u, VectorRef out)> force;
+    /// dr/du at u, n x n.
+    std::function<Matrix(const ConstVectorRef& u)> tangent;
+    /// r as a potential, for the energy ledger; may be empty: no energy is then reported for it.
+    std::function<double(const ConstVectorRef& u)> energy = {};
+};
+
+/// M u'' + D u' + K u + r(u) = f(t) + B' lambda,   B u - c(t) >= 0,   lambda >= 0,   lambda . (B u - c) = 0
+///
+/// n unknowns, m contact constraints. What a scene lacks is absent: no M is first order in time, no M and no D is
+/// static, a B without rows is free of contact. c_i = -infinity switches row i off. Passive data: steppers, contact
+/// solvers and `reduce` read it; none is stored in it. (Balajewicz, Amsallem, Farhat, eq. 3.)
+struct ContactProblem {
+    std::optional<Matrix> M;  ///< n x n, symmetric
+    std::optional<Matrix> D;  ///< n x n
+    Matrix K;                 ///< n x n
+    Matrix B;                 ///< m x n
+    AffineVector c;           ///< m, the gap function's offset
+    AffineVector f;           ///< n
+    Vector u0;                ///< n
+    Vector v0;                ///< n, or empty unless second order in time
+    std::optional<InternalForce> r = {};
+
+    Index size() const { return K.rows(); }
+    Index constraints() const { return B.rows(); }
+    bool second_order() const { return M.has_value(); }
+    bool is_static() const { return !M && !D; }
+};
+
+/// Throws InputError naming the first field that has a wrong shape, a NaN or infinite entry (c may hold -infinity),
+/// or an M that is not symmetric, or a function that is missing in r.
+void validate(const ContactProblem& problem);
+
+}  // namespace tact

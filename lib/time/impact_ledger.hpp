@@ -1,0 +1,42 @@
+// What impacts did: observed restitution, energy gained and lost.
+#pragma once
+
+#include <vector>
+
+#include "energy.hpp"
+
+namespace tact {
+
+/// Over a march so far.
+struct ImpactSummary {
+    long impacts = 0;            ///< contact intervals of single rows that began with an approach and have ended
+    double restitution_min = 0;  ///< of -gap rate after / gap rate before; both 0 without impacts
+    double restitution_max = 0;
+    double energy_gained =
+        0;                   ///< sum of what steps in contact created: (kinetic + strain) less the work of load and D
+    double energy_lost = 0;  ///< and of what they took away, as a positive number
+    double largest_gain = 0;  ///< in one step
+};
+
+/// Watches the gap rates B v - c' of rows that close and open again, and the energy of steps in contact. Costs products
+/// with B, M, K a step: leave it out where not wanted. Second order only.
+class ImpactLedger {
+public:
+    /// `problem` must outlive the ledger. InputError without M.
+    explicit ImpactLedger(const ContactProblem& problem);
+    /// Records into this ledger, which must outlive it.
+    Observer observer();
+    const ImpactSummary& summary() const { return summary_; }
+
+private:
+    void record(const State& state, const StepReport& report);
+    const ContactProblem& problem_;
+    EnergyLedger energy_;
+    Observer watch_energy_;
+    ImpactSummary summary_;
+    double before_t_ = 0;
+    Vector rate_, free_rate_, gap_now_, gap_before_;
+    std::vector<char> closed_;
+};
+
+}  // namespace tact

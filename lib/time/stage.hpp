@@ -1,0 +1,100 @@
+// One implicit stage of any integrator, contact included, and the work shared between stages and between runs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "../contact_solver.hpp"
+#include "../problem/contact_problem.hpp"
+
+namespace tact {
+
+/// y' = a y + b with y = (u, v): what every implicit method asks of the physics at time t. Static: a = 0.
+struct Stage {
+    double t = 0;
+    double a = 0;
+    ConstVectorRef b_u;  ///< n
+    ConstVectorRef b_v;  ///< n; empty for problems that are not second order
+};
+
+/// The unknowns at one time. y = (u, v) in one piece, u alone unless the problem is second order.
+struct State {
+    double t = 0;
+    long step = 0;
+    Vector y;
+    Vector lambda;  ///< m; where an impact law is used, its impulse over the step's length
+    Index n = 0;
+
+    State() = default;
+    explicit State(const ContactProblem& problem, double t0 = 0);
+    auto u() const { return y.head(n); }
+    auto u() { return y.head(n); }
+    auto v() const { return y.tail(y.size() - n); }
+    auto v() { return y.tail(y.size() - n); }
+};
+
+/// mass M + damping D + stiffness K, of what a problem has.
+struct Combination {
+    double mass = 0, damping = 0, stiffness = 1;
+    bool operator==(const Combination&) const = default;
+};
+Matrix combined(const ContactProblem& problem, const Combination& combination);
+
+/// Prepared contact solves, kept by the identity of M, D, K, B and the combination. Hand one workspace to the
+/// successive problems of a family, or to run after run, and they share factors, symbolic analyses and cached
+/// columns. Keeps the `capacity` most recently used. One thread at a time.
+class ContactWorkspace {
+public:
+    explicit ContactWorkspace(std::shared_ptr<const ContactSolver> solver, std::size_t capacity = 4);
+    ~ContactWorkspace();
+    ContactWorkspace(ContactWorkspace&&) noexcept;
+    ContactWorkspace& operator=(ContactWorkspace&&) noexcept;
+
+    /// The combined matrix, prepared with B; stays alive while its user holds it, evicted or not.
+    std::shared_ptr<PreparedContact> prepared(const ContactProblem& problem, const Combination& combination);
+    const ContactSolver& solver() const { return *solver_; }
+
+private:
+    struct Entry;
+    std::shared_ptr<const ContactSolver> solver_;
+    std::size_t capacity_;
+    std::vector<std::unique_ptr<Entry>> entries_;  // most recent first
+};
+
+/// Solves stages of one problem:
+///   (a^2 M + a D + K) u + r(u) = f(t) - M (b_v + a b_u) - D b_u + B' lambda,  contact conditions on u;  v = a u + b_u.
+/// Where there is an r, by Newton's method around the contact solve. Allocates only in its constructor, when the
+/// combination changes, and for tangents of r.
+class StageSolver {
+public:
+    /// Both must outlive the stage solver.
+    StageSolver(const ContactProblem& problem, ContactWorkspace& workspace);
+
+    /// On entry `state` holds the guess, on a converged exit the solution at stage.t; else it is untouched.
+    ContactReport solve(const Stage& stage, State& state);
+    /// A u + r(u) = rhs + B' lambda, B u >= c(t), for another combination A than a stage's.
+    ContactReport solve(const Combination& combination, double t, const ConstVectorRef& rhs, ContactPoint point);
+    /// f(t), one of its limits where it jumps. Valid until the next call of this object.
+    const Vector& load(double t, Side side);
+    /// Whether the last prepared contact solver profits from a guess of u.
+    bool reads_guess() const { return prepared_ && prepared_->reads_guess(); }
+
+private:
+    ContactReport newton(const Combination& combination, const ConstVectorRef& rhs, ContactPoint point);
+    const ContactProblem& problem_;
+    ContactWorkspace& workspace_;
+    std::shared_ptr<PreparedContact> prepared_;
+    Combination combination_;
+    Vector load_, gap_, rhs_, work_, scratch_;
+};
+
+/// The equilibrium under contact: the a = 0 stage.
+struct [[nodiscard]] StaticSolution {
+    Vector u, lambda;
+    ContactReport report;
+};
+/// `guess`: a previous solution to start from. InputError unless the problem is static.
+StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace,
+                            const StaticSolution* guess = nullptr);
+
+}  // namespace tact
