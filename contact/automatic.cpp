@@ -7,6 +7,7 @@
 
 #include "dense/dense_contact.hpp"
 #include "dense/orthogonal_contact.hpp"
+#include "prepare/interval_contact.hpp"
 #include "prepare/matrix_facts.hpp"
 #include "prepare/merged_rows.hpp"
 #include "prepare/renumbered.hpp"
@@ -283,6 +284,10 @@ std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, cons
             return prepare_chosen(A_renumbered, B_renumbered, options_);
         });
     });
+}
+
+std::unique_ptr<PreparedContact> AutomaticContact::prepare_rows(const Matrix& A, const Matrix& B) const {
+    return IntervalContact(std::make_shared<AutomaticContact>(options_)).prepare(A, B);
 }
 
 }  // namespace tact

@@ -61,6 +61,7 @@ public:
     using Options = AutomaticOptions;
     explicit AutomaticContact(Options options = {}) : options_(std::move(options)) {}
     std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const override;
+    std::unique_ptr<PreparedContact> prepare_rows(const Matrix& A, const Matrix& B) const override;
 
 private:
     Options options_;

@@ -195,6 +195,7 @@ double CentralDifference::largest_step(const ContactProblem& problem, ContactWor
 
 std::unique_ptr<Run> CentralDifference::start(const ContactProblem& problem, const TimeGrid& grid,
                                               ContactWorkspace& workspace) const {
+    require_contact_rows("CentralDifference", problem);
     const double largest = largest_step(problem, workspace, grid.dt);
     if (!(grid.dt <= largest))
         throw InputError("CentralDifference: dt is " + short_number(grid.dt) + ", expected at most " +

@@ -31,6 +31,7 @@ VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWor
       free_(problem.size()),
       scratch_(std::max(problem.c.modes.cols(), problem.f.modes.cols())) {
     check_restitution("VelocityProjection", restitution);
+    require_contact_rows("an impact law", problem);
     if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
     if (const Vector* m = problem.M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
     if (const DenseMatrix* B = problem.B.dense()) rows_ = B->transpose();

@@ -109,6 +109,7 @@ std::string MoreauJean::name() const {
 
 std::unique_ptr<Run> MoreauJean::start(const ContactProblem& problem, const TimeGrid& grid,
                                        ContactWorkspace& workspace) const {
+    require_contact_rows("MoreauJean", problem);
     if (!problem.second_order()) throw InputError("MoreauJean: the problem has no M, expected one");
     if (problem.r) throw InputError("MoreauJean: the problem has an r, expected linear internal forces");
     return std::make_unique<MoreauJeanRun>(problem, grid, workspace, options_);

@@ -4,17 +4,36 @@
 
 namespace tact {
 
-void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b,
-             const ConstVectorRef& c, const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance,
-             double gap_size, ContactPoint point) {
-    report.kkt = certificate(b, c, u, lambda);
-    report.active = (lambda.array() > 0).count();
+void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b, const RowBounds& rows,
+             const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance, double gap_size,
+             ContactPoint point) {
+    report.kkt = certificate(b, rows, u, lambda);
+    report.active = (lambda.array() != 0).count();
     if (!report.kkt.within(tolerance, gap_size)) {
         report.outcome = Outcome::inaccurate;
         return;
     }
     point.u = u;
     point.lambda = lambda;
+}
+
+void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b,
+             const ConstVectorRef& c, const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance,
+             double gap_size, ContactPoint point) {
+    certify(report, certificate, b, RowBounds(c), u, lambda, tolerance, gap_size, point);
+}
+
+ContactReport PreparedContact::solve_rows(const ConstVectorRef& b, const RowBounds& rows, ContactPoint point) {
+    if (rows.contact_only()) return solve(b, rows.lower, point);
+    throw InputError(
+        "this contact solver was prepared for rows B u >= c, and a row has an upper bound or a bounded force; "
+        "expected one made by prepare_rows");
+}
+
+std::unique_ptr<PreparedContact> ContactSolver::prepare_rows(const Matrix&, const Matrix&) const {
+    throw InputError(
+        "this contact strategy takes rows B u >= c only, and the problem has rows with an upper bound or a "
+        "bounded force; use AutomaticContact, or IntervalContact around the strategy");
 }
 
 void check_contact_matrices(std::string_view solver, const Matrix& A, const Matrix& B) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string_view>
 
+#include "contact_rows.hpp"
 #include "errors.hpp"
 #include "kkt.hpp"
 #include "problem/matrix.hpp"
@@ -22,12 +23,13 @@ struct [[nodiscard]] ContactReport {
     Outcome outcome = Outcome::converged;
     KktResiduals kkt;
     int iterations = 0;              ///< of the active set
-    Index active = 0;                ///< rows with lambda > 0
+    Index active = 0;                ///< rows with a multiplier
     bool set_repeated = false;       ///< an active set came back and the fall-back finished the solve
     std::string_view strategy;       ///< a string with static lifetime: what solved it
     std::string_view fallback = {};  ///< what finished it instead, if anything did
     std::string_view reason = {};    ///< with static lifetime: why a chooser took this strategy
-    /// After Outcome::infeasible: y >= 0 with B'y = 0 and c'y > 0 (largest entry 1), m numbers.
+    /// After Outcome::infeasible: y with B'y = 0 and sum c_i y_i > 0 (largest entry 1), m numbers. c_i is the lower bound
+    /// where y_i > 0 and the upper one where y_i < 0; contact rows have y_i >= 0.
     Vector infeasibility = {};
     /// After Outcome::unbounded: d with A d = 0, B d >= 0, b'd > 0 (largest entry 1), n numbers.
     Vector ray = {};
@@ -35,6 +37,9 @@ struct [[nodiscard]] ContactReport {
 
 /// The common end of a solve: takes the certificate of (u, lambda) and counts the rows in contact; within `tolerance` (for
 /// gaps of size `gap_size`) the point takes them, else the outcome is `inaccurate` and the point stays.
+void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b, const RowBounds& rows,
+             const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance, double gap_size,
+             ContactPoint point);
 void certify(ContactReport& report, const KktCertificate& certificate, const ConstVectorRef& b,
              const ConstVectorRef& c, const ConstVectorRef& u, const ConstVectorRef& lambda, double tolerance,
              double gap_size, ContactPoint point);
@@ -46,6 +51,9 @@ public:
     virtual ~PreparedContact() = default;
     /// min 1/2 u'Au - u'b  s.t.  Bu >= c.
     virtual ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) = 0;
+    /// The same for rows of every kind (see RowBounds), by what ContactSolver::prepare_rows made. Here: contact rows as above,
+    /// InputError for others.
+    virtual ContactReport solve_rows(const ConstVectorRef& b, const RowBounds& rows, ContactPoint point);
     /// Whether a good guess of u shortens the solve (an iterative inner solver), or is not even read.
     virtual bool reads_guess() const { return false; }
 };
@@ -56,6 +64,8 @@ public:
     virtual ~ContactSolver() = default;
     /// InputError if A and B do not fit or are of a kind this recipe does not take; NumericalError if A is singular.
     virtual std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) const = 0;
+    /// The same for solve_rows. Here: InputError, this recipe takes contact rows only.
+    virtual std::unique_ptr<PreparedContact> prepare_rows(const Matrix& A, const Matrix& B) const;
 };
 
 /// What every prepare asks first: A square with at least one unknown, B with as many columns, both finite. InputError in the

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "contact_rows.hpp"
 #include "problem/matrix.hpp"
 
 namespace tact {
@@ -54,6 +55,12 @@ public:
     KktCertificate& operator=(KktCertificate&&) noexcept;
 
     KktResiduals operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                            const ConstVectorRef& lambda) const;
+
+    /// The same for rows of every kind. penetration: beyond either bound, where the row does not give way; negativity:
+    /// lambda outside the interval that its row allows; complementarity: lambda_i > 0 against B_i u - lower_i, lambda_i < 0
+    /// against upper_i - B_i u. For contact rows the one above.
+    KktResiduals operator()(const ConstVectorRef& b, const RowBounds& rows, const ConstVectorRef& u,
                             const ConstVectorRef& lambda) const;
 
     /// The same where only the listed rows are in question: the caller has proven the others open, and they carry no

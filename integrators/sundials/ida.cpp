@@ -33,6 +33,7 @@ std::string Ida::name() const {
 
 std::unique_ptr<Run> Ida::start(const ContactProblem& problem, const TimeGrid& grid,
                                 ContactWorkspace& workspace) const {
+    require_contact_rows("Ida", problem);
     if (problem.is_static()) throw InputError("Ida: the problem has neither M nor D, expected one; use QuasiStatic");
     if (options_.restitution && !problem.second_order())
         throw InputError("Ida: restitution on a problem without M, expected none");

@@ -62,7 +62,40 @@ void check_affine(const char* name, const AffineVector& a, Index n, bool may_be_
         }
 }
 
+void check_intervals(const ContactProblem& p) {
+    const Index m = p.constraints();
+    if (p.c_up) {
+        const AffineVector negated(-p.c_up->modes, p.c_up->coefficients, p.c_up->jumps);
+        check_affine("-c_up", negated, m, true);
+        if (p.c.constant() && p.c_up->constant()) {
+            const Vector lower = p.c.at(0), upper = p.c_up->at(0);
+            for (Index i = 0; i < m; ++i)
+                if (lower[i] > upper[i])
+                    reject("c[" + std::to_string(i) + "] is above c_up[" + std::to_string(i) + "]");
+        }
+    }
+    const auto check_force = [m](const char* name, const Vector& force, double sign) {
+        if (force.size() != 0 && force.size() != m)
+            reject(std::string(name) + " is " + std::to_string(force.size()) + "x1, expected " + std::to_string(m) +
+                   "x1 or empty");
+        for (Index i = 0; i < force.size(); ++i)
+            if (!(sign * force[i] >= 0))
+                reject(std::string(name) + "[" + std::to_string(i) + "] is NaN or has the wrong sign, expected " +
+                       (sign > 0 ? ">= 0" : "<= 0"));
+    };
+    check_force("force_lo", p.force_lo, -1);
+    check_force("force_up", p.force_up, 1);
+}
+
 }  // namespace
+
+void require_contact_rows(const char* who, const ContactProblem& problem) {
+    if (!problem.contact_only())
+        throw InputError(std::string(who) +
+                         ": the problem has rows with an upper bound or a bounded force (c_up, force_lo, "
+                         "force_up), expected contact rows B u >= c only; Bdf2, QuasiStatic and solve_static take "
+                         "the others");
+}
 
 void validate(const ContactProblem& p) {
     const Index n = p.K.rows();
@@ -77,6 +110,7 @@ void validate(const ContactProblem& p) {
     check_matrix("B", p.B, p.B.rows(), n);
     if (p.constraints() > 0) check_affine("c", p.c, p.constraints(), true);
     check_affine("f", p.f, n, false);
+    check_intervals(p);
     if (!p.is_static()) check_vector("u0", p.u0, n);
     if (p.second_order()) check_vector("v0", p.v0, n);
     if (p.r && (!p.r->force || !p.r->tangent)) reject("r lacks its force or its tangent, expected both");

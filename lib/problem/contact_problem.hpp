@@ -60,15 +60,25 @@ struct ContactProblem {
     Vector u0;                ///< n
     Vector v0;                ///< n, or empty unless second order in time
     std::optional<InternalForce> r = {};
+    /// Rows of other kinds (RowBounds): an upper bound B u <= c_up(t), m; none: infinity. Rows with c_i = c_up_i are equations.
+    std::optional<AffineVector> c_up = {};
+    /// Bounds of the multipliers, m numbers or empty: -infinity and infinity. A friction bound s: c = c_up, -s and s.
+    Vector force_lo = {}, force_up = {};
 
     Index size() const { return K.rows(); }
     Index constraints() const { return B.rows(); }
     bool second_order() const { return M.has_value(); }
     bool is_static() const { return !M && !D; }
+    /// Whether all rows are B u >= c with lambda >= 0.
+    bool contact_only() const { return !c_up && force_lo.size() == 0 && force_up.size() == 0; }
 };
 
-/// Throws InputError naming the first field that has a wrong shape, a NaN or infinite entry (c may hold -infinity),
+/// Throws InputError naming the first field that has a wrong shape, a NaN or infinite entry (c may hold -infinity, c_up
+/// infinity), rows with c > c_up, a force_lo above or a force_up below zero,
 /// or an M that is not symmetric, or a function that is missing in r.
 void validate(const ContactProblem& problem);
+
+/// InputError in the name of `who` unless all rows are contact rows.
+void require_contact_rows(const char* who, const ContactProblem& problem);
 
 }  // namespace tact

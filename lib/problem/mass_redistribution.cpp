@@ -115,6 +115,7 @@ ContactProblem redistribute_mass(const ContactProblem& problem, double keep) {
     if (!(keep >= 0 && keep <= 1)) reject("keep is " + std::to_string(keep) + ", expected from 0 to 1");
 
     validate(problem);
+    require_contact_rows("redistribute_mass", problem);
     // Its symmetric part, so that every step towards a free unknown is one that the mass can take.
     SparseMatrix K = problem.K.to_sparse();
     K = SparseMatrix(0.5 * (K + SparseMatrix(K.transpose())));

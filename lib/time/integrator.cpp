@@ -29,14 +29,17 @@ void check(const TimeGrid& grid) {
 }
 
 /// The row of the largest violation of u0 in units of the row's own size, and that violation.
-std::pair<Index, double> initial_violation(const ContactProblem& problem, const Vector& c) {
-    const Vector gap = problem.B * problem.u0 - c;
+std::pair<Index, double> initial_violation(const ContactProblem& problem, const Vector& c, const Vector& upper) {
+    const Vector place = problem.B * problem.u0;
     std::pair<Index, double> worst{0, 0};
     const double size = problem.u0.lpNorm<Eigen::Infinity>();
-    for (Index i = 0; i < gap.size(); ++i) {
-        if (c[i] == -infinity) continue;
-        const double violation = -gap[i] / std::max({std::abs(c[i]), std::abs(gap[i] + c[i]), size, 1e-300});
+    const auto look_at = [&](Index i, double bound, double beyond) {
+        const double violation = beyond / std::max({std::abs(bound), std::abs(place[i]), size, 1e-300});
         if (violation > worst.second) worst = {i, violation};
+    };
+    for (Index i = 0; i < place.size(); ++i) {
+        if (c[i] > -infinity) look_at(i, c[i], c[i] - place[i]);
+        if (upper.size() > 0 && upper[i] < infinity) look_at(i, upper[i], place[i] - upper[i]);
     }
     return worst;
 }
@@ -47,18 +50,25 @@ ContactProblem admissible(const ContactProblem& problem, double t0, ContactWorks
     if (problem.constraints() == 0 || problem.u0.size() == 0 ||
         options.initial_penetration == InitialPenetration::accept)
         return problem;
-    const Vector c = problem.c.at(t0);
-    const auto [row, violation] = initial_violation(problem, c);
+    Vector c = problem.c.at(t0);
+    Vector upper = problem.c_up ? problem.c_up->at(t0) : Vector();
+    // A row that may give way is violated by nothing.
+    for (Index i = 0; i < c.size(); ++i) {
+        if (problem.force_up.size() > 0 && problem.force_up[i] < infinity) c[i] = -infinity;
+        if (upper.size() > 0 && problem.force_lo.size() > 0 && problem.force_lo[i] > -infinity) upper[i] = infinity;
+    }
+    const auto [row, violation] = initial_violation(problem, c, upper);
     if (violation <= rounding) return problem;
     if (options.initial_penetration == InitialPenetration::reject)
         throw InputError("ContactProblem: u0 penetrates row " + std::to_string(row) + " by " +
-                         std::to_string(100 * violation) +
-                         " % of its size, expected B u0 >= c(t0); see InitialPenetration");
+                         std::to_string(100 * violation) + " % of its size, expected B u0 >= c(t0)" +
+                         (problem.c_up ? " and B u0 <= c_up(t0)" : "") + "; see InitialPenetration");
     const Combination metric = problem.M ? Combination{1, 0, 0} : problem.D ? Combination{0, 1, 0} : Combination{};
     ContactProblem repaired = problem;
     Vector lambda = Vector::Zero(problem.constraints());
     const Vector b = combined(problem, metric) * problem.u0;
-    const ContactReport report = workspace.prepared(problem, metric)->solve(b, c, {repaired.u0, lambda});
+    const RowBounds rows(c, problem.c_up ? &upper : nullptr);
+    const ContactReport report = workspace.prepared(problem, metric)->solve_rows(b, rows, {repaired.u0, lambda});
     if (report.outcome != Outcome::converged)
         throw InputError("ContactProblem: u0 penetrates row " + std::to_string(row) +
                          " and cannot be projected: " + std::string(to_string(report.outcome)));

@@ -32,13 +32,15 @@ struct ContactWorkspace::Entry {
     std::optional<Matrix> M, D;  // copies keep the storage, and so the key, alive
     Matrix K, B;
     Combination combination;
+    bool contact_only;
     std::shared_ptr<PreparedContact> contact;
 
     bool matches(const ContactProblem& p, const Combination& other) const {
         const auto same = [](const std::optional<Matrix>& x, const std::optional<Matrix>& y) {
             return x.has_value() == y.has_value() && (!x || x->same_storage(*y));
         };
-        return combination == other && K.same_storage(p.K) && B.same_storage(p.B) && same(M, p.M) && same(D, p.D);
+        return combination == other && contact_only == p.contact_only() && K.same_storage(p.K) &&
+               B.same_storage(p.B) && same(M, p.M) && same(D, p.D);
     }
 };
 
@@ -57,10 +59,12 @@ std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem
         std::rotate(entries_.begin(), found, found + 1);
         return entries_.front()->contact;
     }
-    std::shared_ptr<PreparedContact> contact = solver_->prepare(combined(p, combination), p.B);
+    const Matrix A = combined(p, combination);
+    std::shared_ptr<PreparedContact> contact =
+        p.contact_only() ? solver_->prepare(A, p.B) : solver_->prepare_rows(A, p.B);
     if (entries_.size() == capacity_) entries_.pop_back();
-    entries_.insert(entries_.begin(),
-                    std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, std::move(contact)}));
+    entries_.insert(entries_.begin(), std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, p.contact_only(),
+                                                                    std::move(contact)}));
     return entries_.front()->contact;
 }
 
@@ -71,9 +75,13 @@ StageSolver::StageSolver(const ContactProblem& problem, ContactWorkspace& worksp
       gap_(problem.constraints()),
       rhs_(problem.size()),
       work_(problem.size()),
-      scratch_(std::max(problem.f.modes.cols(), problem.c.modes.cols())) {
+      scratch_(std::max(
+          {problem.f.modes.cols(), problem.c.modes.cols(), problem.c_up ? problem.c_up->modes.cols() : Index{0}})) {
     if (problem.f.constant()) problem.f.evaluate(0, Side::right, scratch_, load_);
     if (problem.constraints() > 0 && problem.c.constant()) problem.c.evaluate(0, Side::right, scratch_, gap_);
+    if (!problem.c_up) return;
+    upper_.resize(problem.constraints());
+    if (problem.c_up->constant()) problem.c_up->evaluate(0, Side::right, scratch_, upper_);
 }
 
 const Vector& StageSolver::load(double t, Side side) {
@@ -111,12 +119,21 @@ ContactReport StageSolver::solve(const Combination& combination, double t, const
                                  ContactPoint point) {
     const ContactProblem& p = problem_;
     if (p.constraints() > 0 && !p.c.constant()) p.c.evaluate(t, Side::right, scratch_, gap_);
+    if (p.c_up && !p.c_up->constant()) p.c_up->evaluate(t, Side::right, scratch_, upper_);
     if (p.r) return newton(combination, rhs, point);
     if (!prepared_ || !(combination_ == combination)) {
         prepared_ = workspace_.prepared(p, combination);
         combination_ = combination;
     }
-    return prepared_->solve(rhs, gap_, point);
+    return solve_contact(*prepared_, rhs, point);
+}
+
+ContactReport StageSolver::solve_contact(PreparedContact& contact, const ConstVectorRef& b,
+                                         ContactPoint point) const {
+    const ContactProblem& p = problem_;
+    if (p.contact_only()) return contact.solve(b, gap_, point);
+    const auto given = [](const Vector& v) { return v.size() > 0 ? &v : nullptr; };
+    return contact.solve_rows(b, {gap_, p.c_up ? &upper_ : nullptr, given(p.force_lo), given(p.force_up)}, point);
 }
 
 ContactReport StageSolver::newton(const Combination& combination, const ConstVectorRef& rhs, ContactPoint point) {
@@ -135,7 +152,11 @@ ContactReport StageSolver::newton(const Combination& combination, const ConstVec
         tangent.multiply(u, b, 1, -1);
         b += rhs;
         next = u;
-        report = workspace_.solver().prepare(combine(1, tangent, 1, A), problem_.B)->solve(b, gap_, {next, lambda});
+        const Matrix now = combine(1, tangent, 1, A);
+        const ContactSolver& solver = workspace_.solver();
+        const auto contact =
+            problem_.contact_only() ? solver.prepare(now, problem_.B) : solver.prepare_rows(now, problem_.B);
+        report = solve_contact(*contact, b, {next, lambda});
         report.iterations = iterations += report.iterations;
         if (report.outcome != Outcome::converged) return report;
         const double change = (next - u).lpNorm<Eigen::Infinity>();

@@ -80,12 +80,13 @@ public:
     bool reads_guess() const { return prepared_ && prepared_->reads_guess(); }
 
 private:
+    ContactReport solve_contact(PreparedContact& contact, const ConstVectorRef& b, ContactPoint point) const;
     ContactReport newton(const Combination& combination, const ConstVectorRef& rhs, ContactPoint point);
     const ContactProblem& problem_;
     ContactWorkspace& workspace_;
     std::shared_ptr<PreparedContact> prepared_;
     Combination combination_;
-    Vector load_, gap_, rhs_, work_, scratch_;
+    Vector load_, gap_, upper_, rhs_, work_, scratch_;
 };
 
 /// The equilibrium under contact: the a = 0 stage.

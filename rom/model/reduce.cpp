@@ -176,6 +176,7 @@ private:
 }  // namespace
 
 ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
+    require_contact_rows("reduce", full);
     validate(full);
     validate(basis, full);
     const DenseMatrix& U = basis.U;
