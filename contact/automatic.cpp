@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "../lib/algebra/empty_rows.hpp"
 #include "dense/dense_contact.hpp"
 #include "dense/orthogonal_contact.hpp"
 #include "prepare/matrix_facts.hpp"
@@ -278,6 +279,7 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
 
 std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("AutomaticContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     return prepare_merged(A, B, [&](const Matrix&, const Matrix& rows) {
         return prepare_renumbered(A, rows, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
             return prepare_chosen(A_renumbered, B_renumbered, options_);
