@@ -51,7 +51,22 @@ function(tact_component name)
     install(FILES "${PROJECT_SOURCE_DIR}/${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/tact/${folder}")
   endforeach()
   install(TARGETS tact_${name} EXPORT tact-${name} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  if(arg_SOURCES)
+    tact_isolate_installed(tact_${name})
+  endif()
   install(EXPORT tact-${name} NAMESPACE tact:: FILE tact-${name}.cmake DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tact")
+endfunction()
+
+# The installed library keeps its Eigen functions to itself (cmake/isolate.cmake); needs GNU's linker and objcopy. Not with
+# sanitizers, whose programs are compiled alike.
+function(tact_isolate_installed target)
+  find_program(TACT_GNU_LINKER NAMES ld.bfd ld)
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux" OR NOT TACT_GNU_LINKER OR NOT CMAKE_OBJCOPY OR TACT_SANITIZE OR TACT_COVERAGE)
+    return()
+  endif()
+  install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" \"-DLINKER=${TACT_GNU_LINKER}\" \"-DOBJCOPY=${CMAKE_OBJCOPY}\"
+    \"-DAR=${CMAKE_AR}\" \"-DLIBRARY=\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:${target}>\"
+    -P \"${PROJECT_SOURCE_DIR}/cmake/isolate.cmake\" COMMAND_ERROR_IS_FATAL ANY)")
 endfunction()
 
 # Everything compiled here, component or not. Never -ffast-math: the certificates need infinities, NaN and the order of sums.
