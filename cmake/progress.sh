@@ -9,8 +9,8 @@ with_progress() {
   log=$(mktemp)
   "$@" >"$log" 2>&1 &
   command_id=$!
-  trap 'kill "$command_id" 2>/dev/null; wait "$command_id" 2>/dev/null; rm -f "$log"; clear_line; exit 130' INT
-  trap 'kill "$command_id" 2>/dev/null; wait "$command_id" 2>/dev/null; rm -f "$log"; clear_line; exit 143' TERM
+  trap 'stop_command; exit 130' INT
+  trap 'stop_command; exit 143' TERM
   began=$(date +%s)
   told=0
   while kill -0 "$command_id" 2>/dev/null; do
@@ -33,6 +33,12 @@ with_progress() {
   return "$status"
 }
 
+stop_command() {
+  kill "$command_id" 2>/dev/null || :
+  wait "$command_id" 2>/dev/null || :
+  rm -f "$log"
+  clear_line
+}
 clear_line() { [ ! -t 2 ] || printf '\r\033[K' >&2; }
 columns_left() {
   width=$(tput cols 2>/dev/null || echo 80)

@@ -104,7 +104,8 @@ MarchReport march_through(const Integrator& method, const ContactProblem& given,
         if (march.last.outcome != Outcome::converged) {
             march.outcome = march.last.outcome;
             if (problem.c.constant())
-                if (const std::string row = contradiction_of_empty_row(march.last.contact, problem.B, problem.c.at(0));
+                if (const std::string row =
+                        contradiction_of_empty_row(march.last.contact, problem.B, problem.c.at(0));
                     !row.empty())
                     throw InputError("ContactProblem: " + row);
             break;
