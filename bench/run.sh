@@ -22,10 +22,11 @@ done
 [ $out = given ] || set -- "$@" --out "$root/results"
 
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+. "$root/cmake/progress.sh"
 "$root/cmake/install-packages.sh"
 (
   cd "$root"
-  cmake --preset release --log-level=WARNING >/dev/null
+  with_progress "Configuring" cmake --preset release
   # nproc counts OMP_NUM_THREADS instead of processors.
   cmake --build --preset release --parallel "$(getconf _NPROCESSORS_ONLN)" --target tact-bench
 )

@@ -51,7 +51,22 @@ function(tact_component name)
     install(FILES "${PROJECT_SOURCE_DIR}/${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/tact/${folder}")
   endforeach()
   install(TARGETS tact_${name} EXPORT tact-${name} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  if(arg_SOURCES)
+    tact_isolate_installed(tact_${name})
+  endif()
   install(EXPORT tact-${name} NAMESPACE tact:: FILE tact-${name}.cmake DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tact")
+endfunction()
+
+# The installed library keeps its Eigen functions to itself (cmake/isolate.cmake); needs GNU's linker and objcopy. Not with
+# sanitizers, whose programs are compiled alike.
+function(tact_isolate_installed target)
+  find_program(TACT_GNU_LINKER NAMES ld.bfd ld)
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux" OR NOT TACT_GNU_LINKER OR NOT CMAKE_OBJCOPY OR TACT_SANITIZE OR TACT_COVERAGE)
+    return()
+  endif()
+  install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" \"-DLINKER=${TACT_GNU_LINKER}\" \"-DOBJCOPY=${CMAKE_OBJCOPY}\"
+    \"-DAR=${CMAKE_AR}\" \"-DLIBRARY=\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:${target}>\"
+    -P \"${PROJECT_SOURCE_DIR}/cmake/isolate.cmake\" COMMAND_ERROR_IS_FATAL ANY)")
 endfunction()
 
 # Everything compiled here, component or not. Never -ffast-math: the certificates need infinities, NaN and the order of sums.
@@ -59,6 +74,8 @@ function(tact_compile_options target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<BOOL:${TACT_WERROR}>:-Werror> -fno-math-errno
     -Wno-psabi  # vector types are passed between inlined kernels only, never across a compiled boundary
+    # GCC 12 takes Eigen's copy of a Vector2d to a Vector, entry by entry up to an aligned one, for longer than it is.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>
     $<$<BOOL:${TACT_NATIVE}>:-march=native>)
   if(TACT_NATIVE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # Its own AVX-512 intrinsics start from an undefined register; the other presets keep the warning.

@@ -40,13 +40,18 @@ if [ "$(id -u)" -ne 0 ]; then
   fi
   as_root="sudo"
 fi
-apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"; }
+# apt-get writes how far it is to its standard output, among the rest.
+apt() {
+  exec $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get -q -o APT::Status-Fd=1 -o Dpkg::Use-Pty=0 -o Acquire::Retries=3 "$@"
+}
+. "$(dirname "$0")/progress.sh"
 
-echo "Installing system packages:$missing"
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-if ! { apt update && apt install -y --no-install-recommends $missing; } >"$log" 2>&1; then
-  cat "$log" >&2
+# A password is asked for before the output goes to a log.
+[ -z "$as_root" ] || sudo -v
+echo "Installing $(echo $missing | wc -w) system packages:$missing"
+with_progress "Lists of packages" apt update || { echo "$0: could not update the lists of packages" >&2; exit 1; }
+if ! with_progress "Packages" apt install -y --no-install-recommends $missing; then
   echo "$0: could not install:$missing" >&2
   exit 1
 fi

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <string>
 #include <utility>
 
+#include "../lib/algebra/empty_rows.hpp"
 #include "dense/dense_contact.hpp"
 #include "dense/orthogonal_contact.hpp"
 #include "prepare/interval_contact.hpp"
@@ -31,6 +33,8 @@ using Prepared = std::unique_ptr<PreparedContact>;
 constexpr Index largest_orthogonal = 4000;
 /// Rows up to which pivots on a whole tableau are cheap.
 constexpr Index largest_tableau = 500;
+/// Rows that PrincipalPivoting takes at most.
+constexpr Index largest_pivoting = 6000;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
 constexpr Index cheap_to_factor = 20000;
 
@@ -43,7 +47,18 @@ bool allowed(const AutomaticOptions& options, Strategy strategy) {
     return std::find(options.never.begin(), options.never.end(), strategy) == options.never.end();
 }
 
-Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) {
+/// Where A has no factor: what contact does not hold is found out by the proximal iteration.
+Prepared prepare_proximal(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
+    const bool orthogonal = allowed(options, Strategy::orthogonal), schur = allowed(options, Strategy::schur);
+    std::shared_ptr<const ContactSolver> inner;
+    if (orthogonal && (A.rows() <= largest_orthogonal || !schur))
+        inner = std::make_shared<OrthogonalContact>();
+    else
+        inner = std::make_shared<SchurContact>();
+    return ProximalContact(std::move(inner)).prepare(A, B);
+}
+
+Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
     switch (strategy) {
         case Strategy::diagonal: return DiagonalContact().prepare(A, B);
         case Strategy::dense: return DenseContact().prepare(A, B);
@@ -52,15 +67,12 @@ Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) {
         case Strategy::projected_cg: return ProjectedCg().prepare(A, B);
         case Strategy::multigrid_active_set: return MultigridActiveSet().prepare(A, B);
         case Strategy::interior_point: return InteriorPoint().prepare(A, B);
+        case Strategy::orthogonal: return OrthogonalContact().prepare(A, B);
+        case Strategy::principal_pivoting: return PrincipalPivoting().prepare(A, B);
+        case Strategy::proximal: return prepare_proximal(A, B, options);
         case Strategy::schur: break;
     }
     return SchurContact().prepare(A, B);
-}
-
-/// Where A has no factor: what contact does not hold is found out by the proximal iteration.
-Prepared prepare_proximal(const Matrix& A, const Matrix& B) {
-    if (A.rows() <= largest_orthogonal) return ProximalContact(std::make_shared<OrthogonalContact>()).prepare(A, B);
-    return ProximalContact(std::make_shared<SchurContact>()).prepare(A, B);
 }
 
 /// Iterations of a solve, in the strategy's own count, that are some ten times the usual ones.
@@ -73,6 +85,9 @@ int patience(Strategy strategy) {
     }
 }
 
+/// Whether it is one of those whose count of iterations says when a factor would do better.
+bool iterates(Strategy strategy) { return patience(strategy) < std::numeric_limits<int>::max(); }
+
 struct RowShape {
     bool bounds, disjoint;
 };
@@ -84,10 +99,26 @@ RowShape shape_of(const Matrix& B) {
     return {rows.bounds(), rows.disjoint()};
 }
 
+/// Whether the proximal iteration may be taken, around one of those it may use.
+bool proximal_may(const AutomaticOptions& options) {
+    return allowed(options, Strategy::proximal) &&
+           (allowed(options, Strategy::orthogonal) || allowed(options, Strategy::schur));
+}
+
+[[noreturn]] void nothing_left(const Matrix& A, const Matrix& B) {
+    throw InputError("AutomaticContact: options.never leaves no strategy for A " + A.shape() + " and B " + B.shape());
+}
+
 Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
     const auto may = [&](Strategy strategy) { return allowed(options, strategy); };
     if (options.always) return {*options.always, "asked for by the options"};
-    if (!A.is_symmetric() && may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "A is not symmetric"};
+    constexpr std::string_view left = "what the options leave";
+    const bool pivots = may(Strategy::principal_pivoting) && B.rows() <= largest_pivoting;
+    if (!A.is_symmetric()) {
+        if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "A is not symmetric"};
+        if (pivots) return {Strategy::principal_pivoting, left};
+        nothing_left(A, B);
+    }
     if (const Vector* diagonal = A.diagonal_entries();
         diagonal && (diagonal->array() > 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
         return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
@@ -108,8 +139,12 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
         may(Strategy::interior_point))
         return {Strategy::interior_point, "many rows that overlap"};
     if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};
-    if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "what the options leave"};
-    throw InputError("AutomaticContact: options.never leaves no strategy for A " + A.shape() + " and B " + B.shape());
+    if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, left};
+    if (may(Strategy::interior_point) && facts.positive_diagonal) return {Strategy::interior_point, left};
+    if (may(Strategy::orthogonal) && A.rows() <= largest_orthogonal) return {Strategy::orthogonal, left};
+    if (pivots) return {Strategy::principal_pivoting, left};
+    if (proximal_may(options)) return {Strategy::proximal, left};
+    nothing_left(A, B);
 }
 
 /// Counts what a strategy does, and says when another one would do better.
@@ -167,8 +202,7 @@ public:
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         if (!change_.empty()) change_to_factor();
-        ContactReport report = current_->solve(b, c, point);
-        report.reason = choice_.reason;
+        ContactReport report = solve_first(b, c, point);
         const bool settled_at_once = settled(report);
         for (std::size_t next = 0; !settled(report) && !certified(report) && next < rest_.size() && b.allFinite();
              ++next) {
@@ -177,8 +211,10 @@ public:
             if (!try_link(rest_[next], b, c, {u, lambda}, end)) continue;
             const bool last_word = certified(end);
             if (standing(end) >= standing(report)) {
-                end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
-                end.strategy = report.strategy;
+                if (!report.strategy.empty()) {
+                    end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
+                    end.strategy = report.strategy;
+                }
                 end.reason = report.reason;
                 end.iterations += report.iterations;
                 end.set_repeated |= report.set_repeated;
@@ -190,12 +226,27 @@ public:
             }
             if (last_word) break;
         }
+        if (!broken_.empty() && report.strategy.empty()) throw NumericalError(broken_);
         if (record_) change_ = record_->change(choice_.strategy, settled_at_once, report, point.lambda);
         return report;
     }
 
 private:
     static constexpr double sharp = 1e-12;
+    /// Where it breaks down on A, and others may follow, its text is kept and the report names no strategy.
+    ContactReport solve_first(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) {
+        ContactReport report;
+        broken_.clear();
+        try {
+            report = current_->solve(b, c, point);
+        } catch (const NumericalError& error) {
+            if (rest_.empty()) throw;
+            broken_ = error.what();
+            report.outcome = Outcome::inaccurate;
+        }
+        report.reason = choice_.reason;
+        return report;
+    }
     /// false where A is too near singular for this one.
     static bool try_link(Fallback& link, const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point,
                          ContactReport& report) {
@@ -230,48 +281,62 @@ private:
     }
 
     Choice choice_;
+    std::string broken_;
     Prepared current_;
     std::vector<Fallback> rest_;
     std::string_view change_;       // why the next solve is the factor's, or nothing
     std::optional<Record> record_;  // nothing once the choice is final
 };
 
+/// Those that follow the chosen one, sturdier ones later.
+std::vector<PreparedAutomatic::Link> followers(Strategy first, const Matrix& A, const Matrix& B,
+                                               const AutomaticOptions& options) {
+    std::vector<PreparedAutomatic::Link> rest;
+    const auto add = [&](Strategy strategy) {
+        if (strategy != first && allowed(options, strategy))
+            rest.push_back([strategy, A, B, options] { return prepare_as(strategy, A, B, options); });
+    };
+    if (!A.is_symmetric()) {
+        if (B.rows() > 0 && B.rows() <= largest_orthogonal) add(Strategy::principal_pivoting);
+        return rest;
+    }
+    const bool medium = A.rows() <= largest_orthogonal;
+    if (first != Strategy::schur && (iterates(first) || !medium) && allowed(options, Strategy::schur))
+        rest.push_back([A, B, options]() -> Prepared {
+            try {
+                return SchurContact().prepare(A, B);
+            } catch (const NumericalError&) {
+                if (!proximal_may(options)) throw;
+                return prepare_proximal(A, B, options);
+            }
+        });
+    if (medium) add(Strategy::orthogonal);
+    if ((A.main_diagonal().array() > 0).all()) add(Strategy::interior_point);
+    if (medium && B.rows() > 0 && B.rows() <= largest_tableau) add(Strategy::principal_pivoting);
+    // Without SchurContact nobody else finds out that A has no factor.
+    if (!allowed(options, Strategy::schur) && B.rows() > 0 && proximal_may(options)) add(Strategy::proximal);
+    return rest;
+}
+
 /// The strategy chosen for A and B, and those that follow it.
 Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
-    Choice choice = first_choice(A, B, options);
+    const Choice choice = first_choice(A, B, options);
+    if (options.always)
+        return std::make_unique<PreparedAutomatic>(choice, prepare_as(choice.strategy, A, B, options),
+                                                   std::vector<PreparedAutomatic::Link>{}, std::nullopt);
     Prepared first;
     try {
-        first = prepare_as(choice.strategy, A, B);
+        first = prepare_as(choice.strategy, A, B, options);
     } catch (const NumericalError&) {
-        if (B.rows() == 0 || !A.is_symmetric()) throw;  // nothing there that could hold it
-        return std::make_unique<PreparedAutomatic>(Choice{Strategy::schur, "A is singular or indefinite to rounding"},
-                                                   prepare_proximal(A, B), std::vector<PreparedAutomatic::Link>{},
-                                                   std::nullopt);
+        if (B.rows() == 0 || !A.is_symmetric() || !proximal_may(options)) throw;  // nothing there that could hold it
+        return std::make_unique<PreparedAutomatic>(
+            Choice{Strategy::proximal, "A is singular or indefinite to rounding"}, prepare_proximal(A, B, options),
+            std::vector<PreparedAutomatic::Link>{}, std::nullopt);
     }
-    std::vector<PreparedAutomatic::Link> rest;
+    std::vector<PreparedAutomatic::Link> rest = followers(choice.strategy, A, B, options);
     std::optional<Record> record;
-    if (!A.is_symmetric()) {
-        if (B.rows() > 0 && B.rows() <= largest_orthogonal)
-            rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
-    } else {
-        const bool medium = A.rows() <= largest_orthogonal;
-        const bool iteration = patience(choice.strategy) < std::numeric_limits<int>::max();
-        if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options, Strategy::schur))
-            rest.push_back([A, B]() -> Prepared {
-                try {
-                    return SchurContact().prepare(A, B);
-                } catch (const NumericalError&) {
-                    return prepare_proximal(A, B);
-                }
-            });
-        if (iteration && !options.always && !rest.empty()) record.emplace(B.rows(), options.solves_before_factor);
-        if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
-        if (choice.strategy != Strategy::interior_point && allowed(options, Strategy::interior_point) &&
-            (A.main_diagonal().array() > 0).all())
-            rest.push_back([A, B] { return InteriorPoint().prepare(A, B); });
-        if (medium && B.rows() > 0 && B.rows() <= largest_tableau)
-            rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
-    }
+    if (iterates(choice.strategy) && allowed(options, Strategy::schur) && !rest.empty())
+        record.emplace(B.rows(), options.solves_before_factor);
     return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
 }
 
@@ -279,6 +344,7 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
 
 std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("AutomaticContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     return prepare_merged(A, B, [&](const Matrix&, const Matrix& rows) {
         return prepare_renumbered(A, rows, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
             return prepare_chosen(A_renumbered, B_renumbered, options_);

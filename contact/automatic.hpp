@@ -16,13 +16,18 @@ enum class ContactStrategy {
     projected_cg,
     multigrid_active_set,
     interior_point,
-    schur
+    schur,
+    orthogonal,
+    principal_pivoting,
+    proximal  ///< around the first of orthogonal (up to 4000 unknowns) and schur that is allowed
 };
 
 struct AutomaticOptions {
-    /// The first strategy, whatever A and B are; it is then never changed. What it does not take is its InputError.
+    /// The only strategy, whatever A and B are: it is never changed and no other follows it. What it does not take is its
+    /// InputError, what it cannot factor its NumericalError.
     std::optional<ContactStrategy> always = {};
-    /// Not taken, neither at first nor later nor as a fall-back. InputError if nothing is left.
+    /// Not taken, neither at first nor later nor as a fall-back. `prepare` throws InputError if that leaves nothing for A and
+    /// B; what it leaves is tried in turn.
     std::vector<ContactStrategy> never = {};
     /// Sparse matrices up to so many unknowns are treated as dense.
     Index small = 300;
@@ -45,6 +50,7 @@ struct AutomaticOptions {
 ///   M-matrix and bounds, not a narrow band            -> MultigridActiveSet
 ///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint
 ///   else                                              -> SchurContact
+/// or, where the options forbid it, KluActiveSet, InteriorPoint, OrthogonalContact, PrincipalPivoting, ProximalContact;
 /// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:
 /// ProximalContact around SchurContact (or OrthogonalContact).
 ///

@@ -23,7 +23,7 @@ Derivative::Derivative(const ContactProblem& problem, ContactWorkspace& workspac
       bound_(problem.constraints()),
       mu_(Vector::Zero(problem.constraints())),
       solution_(problem.size()),
-      scratch_(problem.c.modes.cols()) {
+      scratch_(problem.c.mode_count()) {
     require_contact_rows("Derivative", problem);
 }
 

@@ -78,7 +78,7 @@ public:
           work_(problem.size()),
           bound_(problem.constraints()),
           closing_(Vector::Zero(problem.constraints())),
-          scratch_(problem.c.modes.cols()) {}
+          scratch_(problem.c.mode_count()) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }

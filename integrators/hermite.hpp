@@ -11,8 +11,8 @@ namespace tact {
 inline void interpolate(const State& before, const State& now, double t, State& out) {
     const double h = now.t - before.t;
     if (!(t >= before.t && t <= now.t) || !(h > 0))
-        throw InputError("dense output: t is " + std::to_string(t) + ", expected in the last step, from " +
-                         std::to_string(before.t) + " to " + std::to_string(now.t));
+        throw InputError("dense output: t is " + shown(t) + ", expected in the last step, from " + shown(before.t) +
+                         " to " + shown(now.t));
     const double s = (t - before.t) / h;
     out = now;
     out.t = t;

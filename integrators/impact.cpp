@@ -8,7 +8,7 @@ namespace tact {
 
 void check_restitution(const char* who, std::optional<double> e) {
     if (e && !(*e >= 0 && *e <= 1))
-        throw InputError(std::string(who) + ": restitution is " + std::to_string(*e) + ", expected from 0 to 1");
+        throw InputError(std::string(who) + ": restitution is " + shown(*e) + ", expected from 0 to 1");
 }
 
 VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
@@ -29,7 +29,7 @@ VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWor
       bound_(problem.constraints()),
       jump_(problem.size()),
       free_(problem.size()),
-      scratch_(std::max(problem.c.modes.cols(), problem.f.modes.cols())) {
+      scratch_(std::max(problem.c.mode_count(), problem.f.mode_count())) {
     check_restitution("VelocityProjection", restitution);
     require_contact_rows("an impact law", problem);
     if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");

@@ -29,7 +29,7 @@ public:
           gap_(problem.constraints()),
           bound_(problem.constraints()),
           rate_(Vector::Zero(problem.constraints())),
-          scratch_(problem.c.modes.cols()) {}
+          scratch_(problem.c.mode_count()) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
@@ -99,7 +99,7 @@ private:
 
 MoreauJean::MoreauJean(const Options& options) : options_(options) {
     if (!(options.theta >= 0.5 && options.theta <= 1))
-        throw InputError("MoreauJean: theta is " + std::to_string(options.theta) + ", expected from 0.5 to 1");
+        throw InputError("MoreauJean: theta is " + shown(options.theta) + ", expected from 0.5 to 1");
     check_restitution("MoreauJean", options.restitution);
 }
 

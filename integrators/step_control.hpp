@@ -12,13 +12,13 @@ namespace tact {
 template <class Options> void check_step_control(const std::string& who, const Options& options) {
     const auto positive = [&](const char* name, double value) {
         if (!(value > 0) || !std::isfinite(value))
-            throw InputError(who + ": " + name + " is " + std::to_string(value) + ", expected > 0");
+            throw InputError(who + ": " + name + " is " + shown(value) + ", expected > 0");
     };
     positive("rtol", options.rtol);
     positive("atol", options.atol);
     if (!(options.first_step >= 0) || !(options.max_step >= 0))
-        throw InputError(who + ": first_step is " + std::to_string(options.first_step) + " and max_step is " +
-                         std::to_string(options.max_step) + ", expected neither negative");
+        throw InputError(who + ": first_step is " + shown(options.first_step) + " and max_step is " +
+                         shown(options.max_step) + ", expected neither negative");
 }
 
 }  // namespace tact

@@ -218,7 +218,7 @@ public:
 
 Trapezoid::Trapezoid(const Options& options) : options_(options) {
     if (!(options.rho >= 0 && options.rho <= 1))
-        throw InputError("Trapezoid: rho is " + std::to_string(options.rho) + ", expected from 0 to 1");
+        throw InputError("Trapezoid: rho is " + shown(options.rho) + ", expected from 0 to 1");
     check_restitution("Trapezoid", options.restitution);
 }
 
@@ -233,8 +233,7 @@ std::unique_ptr<Run> Trapezoid::start(const ContactProblem& problem, const TimeG
         throw InputError("Trapezoid: the problem has neither M nor D, expected one; use QuasiStatic");
     if (problem.second_order()) return std::make_unique<SecondOrderRun>(problem, grid, workspace, options_);
     if (options_.rho < 1)
-        throw InputError("Trapezoid: rho is " + std::to_string(options_.rho) +
-                         " on a problem of first order, expected 1");
+        throw InputError("Trapezoid: rho is " + shown(options_.rho) + " on a problem of first order, expected 1");
     return std::make_unique<FirstOrderRun>(problem, grid, workspace);
 }
 

@@ -1,5 +1,8 @@
 #include "errors.hpp"
 
+#include <array>
+#include <charconv>
+
 namespace tact {
 
 std::string_view to_string(Outcome outcome) {
@@ -16,6 +19,12 @@ std::string_view to_string(Outcome outcome) {
         case Outcome::stopped: return "stopped";
     }
     return "unknown";
+}
+
+std::string shown(double number) {
+    std::array<char, 32> digits;  // the longest is -2.2250738585072014e-308
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    return {digits.data(), end};
 }
 
 }  // namespace tact

@@ -34,4 +34,7 @@ enum class Outcome {
 
 std::string_view to_string(Outcome outcome);
 
+/// The fewest digits that read back as the same number, for messages: 1e-07, 0.1, -inf, nan.
+std::string shown(double number);
+
 }  // namespace tact

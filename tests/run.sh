@@ -26,9 +26,10 @@ case "${1:-}" in
 esac
 
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+. "$root/cmake/progress.sh"
 "$root/cmake/install-packages.sh"
 cd "$root"
-cmake --preset release --log-level=WARNING >/dev/null
+with_progress "Configuring" cmake --preset release
 # nproc counts OMP_NUM_THREADS instead of processors.
 cmake --build --preset release --parallel "$(getconf _NPROCESSORS_ONLN)"
 exec ctest --test-dir build/release --output-on-failure -j2 $leave_out "$@"

@@ -30,14 +30,14 @@ Json points_on_line_json(const CaseOptions& options, const Mesh& mesh, const Vec
     Json points = Json::array();
     for (const auto& [x, y] : options.points) {
         if (!std::isnan(y))
-            throw InputError("case: point is (" + std::to_string(x) + ", " + std::to_string(y) +
+            throw InputError("case: point is (" + shown(x) + ", " + shown(y) +
                              "), expected one coordinate: the scene lies on the line");
         const std::size_t found = points.size();
         for (std::size_t body = 0; body < mesh.bodies.size(); ++body)
             if (x >= mesh.bodies[body].left && x <= mesh.bodies[body].right)
                 points.push_back({{"x", x}, {"body", body}, {"u", value_on_line(mesh, u, x, body)}});
         if (points.size() == found)
-            throw InputError("case: point is " + std::to_string(x) + ", expected one of a body of the scene");
+            throw InputError("case: point is " + shown(x) + ", expected one of a body of the scene");
     }
     return points;
 }
@@ -94,8 +94,8 @@ std::vector<long> steps_at(const std::vector<double>& times, const TimeGrid& gri
         const double step = (t - grid.t0) / grid.dt;
         if (!(step >= -1e-6 && step <= static_cast<double>(grid.steps) + 1e-6) ||
             std::abs(step - std::round(step)) > 1e-6)
-            throw InputError("case: at is " + std::to_string(t) + ", expected a whole number of steps of dt = " +
-                             std::to_string(grid.dt) + " up to t_end = " + std::to_string(grid.t(grid.steps)));
+            throw InputError("case: at is " + shown(t) + ", expected a whole number of steps of dt = " +
+                             shown(grid.dt) + " up to t_end = " + shown(grid.t(grid.steps)));
         steps.push_back(std::lround(step));
     }
     return steps;

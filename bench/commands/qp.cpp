@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/io/matrix_market.hpp"
 #include "../../lib/io/write_file.hpp"
 #include "../harness/interrupt.hpp"
@@ -121,7 +122,7 @@ std::string number(double x) {
 }
 
 /// Why the answer is not the expected one; empty where it is. A NaN never agrees.
-std::string disagreement(const Json& row, const Vector& u, const Expected& expected) {
+std::string disagreement(const Json& row, const Vector& u, double size_of_unknowns, const Expected& expected) {
     const auto outcome = row["outcome"].get<std::string>();
     if (std::ranges::find(expected.outcomes, outcome) == expected.outcomes.end()) {
         std::string wanted;
@@ -131,18 +132,71 @@ std::string disagreement(const Json& row, const Vector& u, const Expected& expec
     if (outcome != "converged") return {};
     if (expected.objective) {
         const double found = row["objective"].get<double>(), wanted = *expected.objective;
-        if (!(std::abs(found - wanted) <= expected.tolerance * std::max(1.0, std::abs(wanted))))
-            return "objective is " + number(found) + ", expected " + number(wanted);
+        // The sum of its terms is what its rounding is measured by, and is small where the problem is.
+        const double size = std::max(row["objective_size"].get<double>(), std::abs(wanted));
+        if (!(std::abs(found - wanted) <= expected.tolerance * size))
+            return "objective is " + number(found) + ", expected " + number(wanted) + " to " +
+                   number(expected.tolerance) + " of " + number(size);
     }
     if (expected.u) {
         if (expected.u->size() != u.size())
             return "u has " + std::to_string(u.size()) + " entries, expected " + std::to_string(expected.u->size());
         const double size = expected.u->lpNorm<Eigen::Infinity>(),
                      apart = (u - *expected.u).lpNorm<Eigen::Infinity>();
-        if (!(apart <= expected.tolerance_u * (size > 0 ? size : 1.0)))
+        if (!(apart <= expected.tolerance_u * (size > 0 ? size : size_of_unknowns)))
             return "u is " + number(apart) + " from the expected one, whose largest entry is " + number(size);
     }
     return {};
+}
+
+double largest_entry(const Matrix& A) {
+    double largest = 0;
+    const SparseMatrix S = A.to_sparse();
+    for (Index k = 0; k < S.nonZeros(); ++k) largest = std::max(largest, std::abs(S.valuePtr()[k]));
+    return largest;
+}
+
+/// What an entry of u is measured by where all that are expected are zero: the loads by A, the gaps by B.
+double size_of_unknowns(const Problem& p) {
+    const double a = largest_entry(p.A), b = largest_entry(p.B);
+    double size = a > 0 ? p.b.lpNorm<Eigen::Infinity>() / a : 0;
+    for (const double c : p.c)
+        if (c != -infinity && b > 0) size = std::max(size, std::abs(c) / b);
+    return size;
+}
+
+Json numbers(const Vector& v) { return std::vector<double>(v.begin(), v.end()); }
+
+/// A proof that there is no solution: y >= 0 with B'y = 0 and c'y > 0, or d with A d = 0, B d >= 0 and b'd > 0, and how well
+/// it holds. Residuals are by the largest term of their own sums; rows that are off take no part.
+void write_certificates(Json& row, const Problem& p, const ContactReport& report) {
+    const auto share = [](double value, double size) { return value == 0 ? 0 : value / size; };
+    const auto absolute = [](const Matrix& A) { return Matrix(SparseMatrix(A.to_sparse().cwiseAbs())); };
+    if (const Vector& y = report.infeasibility; y.size() > 0) {
+        Vector balance(p.A.rows()), size(p.A.rows());
+        p.B.multiply_transposed(y, balance);
+        absolute(p.B).multiply_transposed(y.cwiseAbs(), size);
+        double violation = 0;
+        for (Index i = 0; i < y.size(); ++i)
+            if (y[i] != 0) violation += y[i] * p.c[i];
+        row["infeasibility"] = numbers(y);
+        row["certificate"] = {{"c'y", violation},
+                              {"B'y", share(balance.lpNorm<Eigen::Infinity>(), size.lpNorm<Eigen::Infinity>())},
+                              {"least y", y.minCoeff()}};
+        if (const std::string why = contradiction_of_empty_row(report, p.B, p.c); !why.empty()) row["message"] = why;
+    }
+    if (const Vector& d = report.ray; d.size() > 0) {
+        const Vector curvature = p.A * d, gap = p.B * d;
+        Vector size(p.A.rows());
+        absolute(p.A).multiply(d.cwiseAbs(), size);
+        double least = 0;
+        for (Index i = 0; i < gap.size(); ++i)
+            if (p.c[i] != -infinity) least = std::min(least, gap[i]);
+        row["ray"] = numbers(d);
+        row["certificate"] = {{"b'd", p.b.dot(d)},
+                              {"A d", share(curvature.lpNorm<Eigen::Infinity>(), size.lpNorm<Eigen::Infinity>())},
+                              {"least B d", least}};
+    }
 }
 
 void fail(Json& row, const char* outcome, const char* why) {
@@ -172,10 +226,14 @@ Vector solve(Json& row, const Problem& p, const ContactSolver& solver) {
     row["iterations"] = report.iterations;
     row["strategy"] = report.strategy;
     if (!report.fallback.empty()) row["fallback"] = report.fallback;
+    write_certificates(row, p, report);
     if (report.outcome != Outcome::converged) return {};
     row["active"] = report.active;
-    row["objective"] = u.dot(0.5 * (p.A * u) - p.b);
-    row["u"] = std::vector<double>(u.begin(), u.end());
+    const double elastic = 0.5 * u.dot(p.A * u), work = u.dot(p.b);
+    row["objective"] = elastic - work;
+    row["objective_size"] = std::abs(elastic) + std::abs(work);
+    row["u"] = numbers(u);
+    row["lambda"] = numbers(lambda);
     row["kkt"] = {{"stationarity", report.kkt.stationarity},
                   {"penetration", report.kkt.penetration},
                   {"negativity", report.kkt.negativity},
@@ -187,7 +245,8 @@ Json solve_folder(const fs::path& root, const fs::path& folder, const ContactSol
     Json row;
     const fs::path relative = folder.lexically_relative(root);
     row["name"] = relative == "." ? fs::canonical(folder).filename().string() : relative.generic_string();
-    for (const char* field : {"outcome", "objective", "u"}) row[field] = nullptr;
+    for (const char* field : {"outcome", "objective", "u", "lambda", "infeasibility", "ray", "certificate"})
+        row[field] = nullptr;
     for (const char* field : {"stationarity", "penetration", "negativity", "complementarity"})
         row["kkt"][field] = nullptr;
     for (const char* field : {"seconds", "agrees"}) row[field] = nullptr;
@@ -202,7 +261,7 @@ Json solve_folder(const fs::path& root, const fs::path& folder, const ContactSol
         }
         const Vector u = problem ? solve(row, *problem, solver) : Vector();
         if (!expected) return row;
-        const std::string why = disagreement(row, u, *expected);
+        const std::string why = disagreement(row, u, problem ? size_of_unknowns(*problem) : 0, *expected);
         row["agrees"] = why.empty();
         if (!why.empty()) row["message"] = why + (row.contains("message") ? "; " + std::string(row["message"]) : "");
     } catch (const InputError& error) {

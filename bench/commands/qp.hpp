@@ -12,10 +12,14 @@ namespace tact::bench {
 
 /// Solves  min 1/2 u'Au - u'b,  Bu >= c  of every folder in `folder` (itself included) that holds A.mtx or B.mtx:
 ///   A.mtx, B.mtx   Matrix Market, coordinate real, A symmetric       b.txt, c.txt   one number a line, c may hold -inf
-///   expected.json  optional: "outcome" or "outcome_allowed"; "objective" with "tolerance", relative to max(1, |objective|);
-///                  "u", a list or the name of a file there, with "tolerance_u", relative to max|u|; null: not compared
-/// Returns a list by name of {"name", "outcome", "objective", "u", "kkt": {"stationarity", "penetration", "negativity",
-/// "complementarity"}, "seconds", "agrees", ...}; what has no value is null, `agrees` without expected.json too.
+///   expected.json  optional: "outcome" or "outcome_allowed"; "objective" with "tolerance", relative to |u'Au|/2 + |u'b|;
+///                  "u", a list or the name of a file there, with "tolerance_u", relative to max|u|; null: not compared.
+///                  Where u = 0 is expected, relative to the larger of max|b| / max|A| and max|c| / max|B|.
+/// Returns a list by name of {"name", "outcome", "objective", "u", "lambda", "kkt": {"stationarity", "penetration",
+/// "negativity", "complementarity"}, "infeasibility", "ray", "certificate", "seconds", "agrees", ...}; what has no value is null, `agrees` without expected.json too.
+///
+/// infeasibility: y >= 0 with B'y = 0, c'y > 0; ray: d with A d = 0, B d >= 0, b'd > 0; certificate: what these come to, B'y
+/// and A d by the size of their terms. The message of an infeasible problem names an empty row of B that is its cause.
 ///
 /// outcome: as to_string(Outcome), or "unsupported": A is not symmetric or not positive semidefinite; "invalid input": a
 /// file is missing or malformed; "failed": the solver threw something else. "message" says why for these and where an answer

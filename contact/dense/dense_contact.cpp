@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/algebra/linear_solver.hpp"
 #include "acceptance.hpp"
 #include "few_rows.hpp"
@@ -132,8 +133,9 @@ private:
 
 std::unique_ptr<PreparedContact> DenseContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("DenseContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!(options_.compliance >= 0) || options_.compliance == infinity)
-        throw InputError("DenseContact: compliance is " + std::to_string(options_.compliance) +
+        throw InputError("DenseContact: compliance is " + shown(options_.compliance) +
                          ", expected a finite number >= 0");
     if (!A.is_symmetric()) throw InputError("DenseContact: A is " + A.shape() + " and not symmetric");
     if (const Vector* diagonal = A.diagonal_entries(); diagonal && !(diagonal->minCoeff() > 0))

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "acceptance.hpp"
 #include "orthogonal_factor.hpp"
 
@@ -304,6 +305,7 @@ private:
 
 std::unique_ptr<PreparedContact> OrthogonalContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("OrthogonalContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric()) throw InputError("OrthogonalContact: A is " + A.shape() + " and not symmetric");
     return std::make_unique<PreparedOrthogonal>(A, B);
 }

@@ -56,7 +56,7 @@ void check_no_negative_diagonal(std::string_view solver, const Matrix& A) {
     Index i = 0;
     if (diagonal.minCoeff(&i) < -rounding * diagonal.lpNorm<Eigen::Infinity>())
         throw InputError(std::string(solver) + ": A(" + std::to_string(i) + ", " + std::to_string(i) + ") is " +
-                         std::to_string(diagonal[i]) + ", expected a positive definite symmetric part of A");
+                         shown(diagonal[i]) + ", expected a positive definite symmetric part of A");
 }
 
 }  // namespace tact

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/sparse/lanczos.hpp"
 #include "../dense/acceptance.hpp"
 #include "../prepare/matrix_facts.hpp"
@@ -326,6 +327,7 @@ private:
 
 std::unique_ptr<PreparedContact> ColourSor::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("ColourSor", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric()) throw InputError("ColourSor: A is " + A.shape() + " and not symmetric");
     if (!(A.main_diagonal().array() > 0).all())
         throw InputError("ColourSor: A has a diagonal entry <= 0, expected positive definite");

@@ -5,6 +5,8 @@
 
 #include "../prepare/rows.hpp"
 
+#include "../../lib/algebra/empty_rows.hpp"
+
 namespace tact {
 namespace {
 
@@ -65,6 +67,7 @@ std::unique_ptr<PreparedContact> DiagonalContact::prepare(const Matrix& A, const
     if (A.rows() != A.cols() || B.cols() != A.rows())
         throw InputError("DiagonalContact: A is " + A.shape() + " and B is " + B.shape() +
                          ", expected a square A and as many columns in B");
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     const Vector* diagonal = A.diagonal_entries();
     if (!diagonal || !(diagonal->array() > 0).all())
         throw InputError("DiagonalContact: A is " + A.shape() + ", expected a diagonal matrix with positive entries");

@@ -7,6 +7,8 @@
 #include "../dense/acceptance.hpp"
 #include "saddle_system.hpp"
 
+#include "../../lib/algebra/empty_rows.hpp"
+
 namespace tact {
 namespace {
 
@@ -428,6 +430,7 @@ InteriorPoint::InteriorPoint(std::shared_ptr<const ContactSolver> finish) : fini
 
 std::unique_ptr<PreparedContact> InteriorPoint::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("InteriorPoint", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric()) throw InputError("InteriorPoint: A is " + A.shape() + " and not symmetric");
     if (!(A.main_diagonal().array() > 0).all())
         throw InputError("InteriorPoint: A has a diagonal entry <= 0, expected positive definite");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/sparse/klu_solver.hpp"
 #include "../dense/acceptance.hpp"
 #include "../prepare/matrix_facts.hpp"
@@ -288,6 +289,7 @@ private:
 
 std::unique_ptr<PreparedContact> KluActiveSet::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("KluActiveSet", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     check_no_negative_diagonal("KluActiveSet", A);
     return std::make_unique<PreparedKlu>(A, B);
 }

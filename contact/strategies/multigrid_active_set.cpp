@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/sparse/smoothed_aggregation.hpp"
 #include "multigrid_krylov.hpp"
 
@@ -398,6 +399,7 @@ std::unique_ptr<PreparedContact> MultigridActiveSet::prepare(const Matrix& A, co
                          ", expected a square symmetric A and as many columns in B");
     };
     check_contact_matrices("MultigridActiveSet", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     const SparseMatrix copy = A.sparse() ? SparseMatrix() : A.to_sparse();
     CompressedRows rows = compressed_columns(A.sparse() ? *A.sparse() : copy);
     if (!A.is_symmetric()) refuse();

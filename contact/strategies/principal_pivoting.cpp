@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/sparse/klu_solver.hpp"
 #include "../dense/acceptance.hpp"
 #include "../prepare/matrix_facts.hpp"
@@ -215,6 +216,7 @@ private:
 
 std::unique_ptr<PreparedContact> PrincipalPivoting::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("PrincipalPivoting", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     check_no_negative_diagonal("PrincipalPivoting", A);
     if (B.rows() > 6000) throw InputError("PrincipalPivoting: B is " + B.shape() + ", expected at most 6000 rows");
     return std::make_unique<PreparedPivoting>(A, B);

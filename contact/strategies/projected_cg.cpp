@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/sparse/aggregation.hpp"
 #include "../../lib/sparse/sliced_rows.hpp"
 #include "../dense/acceptance.hpp"
@@ -208,6 +209,7 @@ private:
 
 std::unique_ptr<PreparedContact> ProjectedCg::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("ProjectedCg", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric()) throw InputError("ProjectedCg: A is " + A.shape() + " and not symmetric");
     if (!(A.main_diagonal().array() > 0).all())
         throw InputError("ProjectedCg: A has a diagonal entry <= 0, expected positive definite");

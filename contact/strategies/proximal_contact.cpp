@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "../../lib/algebra/empty_rows.hpp"
+
 namespace tact {
 namespace {
 
@@ -110,6 +112,7 @@ ProximalContact::ProximalContact(std::shared_ptr<const ContactSolver> inner) : i
 
 std::unique_ptr<PreparedContact> ProximalContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("ProximalContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric()) throw InputError("ProximalContact: A is " + A.shape() + " and not symmetric");
     const Vector diagonal = A.main_diagonal();
     const double largest = diagonal.maxCoeff();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "../../lib/algebra/empty_rows.hpp"
+
 namespace tact {
 namespace {
 
@@ -127,6 +129,7 @@ RefinedContact::RefinedContact(std::shared_ptr<const ContactSolver> inner) : inn
 
 std::unique_ptr<PreparedContact> RefinedContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("RefinedContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     return std::make_unique<PreparedRefined>(A, B, *inner_);
 }
 

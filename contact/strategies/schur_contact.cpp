@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/algebra/linear_solver.hpp"
 #include "../../lib/algebra/row_runs.hpp"
 #include "../../lib/sparse/cholmod_solver.hpp"
@@ -328,6 +329,7 @@ SchurContact::SchurContact(SchurOptions options, std::shared_ptr<const LinearSol
 
 std::unique_ptr<PreparedContact> SchurContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("SchurContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric())
         throw InputError("SchurContact: A is " + A.shape() + " and not symmetric; use KluActiveSet");
     return std::make_unique<PreparedSchur>(A, B, *linear_, options_);

@@ -69,7 +69,7 @@ public:
     RunCounters counters() const override { return counters_; }
     void dense(double t, State& out) const override {
         if (!(t >= before_t_ && t <= now_.t))
-            throw InputError("Arkode: dense output at t = " + std::to_string(t) + ", expected in the last step");
+            throw InputError("Arkode: dense output at t = " + shown(t) + ", expected in the last step");
         if (t == now_.t) {
             out = now_;
             return;

@@ -37,19 +37,18 @@ void validate(const ButcherTable& table) {
     for (Index i = 0; i < s; ++i) {
         for (Index j = i + 1; j < s; ++j)
             if (table.A(i, j) != 0)
-                reject("A(" + std::to_string(i) + "," + std::to_string(j) + ") is " + std::to_string(table.A(i, j)) +
+                reject("A(" + std::to_string(i) + "," + std::to_string(j) + ") is " + shown(table.A(i, j)) +
                        ", expected 0: diagonally implicit");
         if (!(table.A(i, i) > 0) && !(i == 0 && table.A(i, i) == 0))
-            reject("A(" + std::to_string(i) + "," + std::to_string(i) + ") is " + std::to_string(table.A(i, i)) +
+            reject("A(" + std::to_string(i) + "," + std::to_string(i) + ") is " + shown(table.A(i, i)) +
                    ", expected positive (or zero in the first stage)");
         if (std::abs(table.A.row(i).sum() - table.c[i]) > rounding)
-            reject("c[" + std::to_string(i) + "] is " + std::to_string(table.c[i]) +
-                   ", expected the sum of A's row, " + std::to_string(table.A.row(i).sum()));
+            reject("c[" + std::to_string(i) + "] is " + shown(table.c[i]) + ", expected the sum of A's row, " +
+                   shown(table.A.row(i).sum()));
     }
-    if (std::abs(table.b.sum() - 1) > rounding)
-        reject("the sum of b is " + std::to_string(table.b.sum()) + ", expected 1");
+    if (std::abs(table.b.sum() - 1) > rounding) reject("the sum of b is " + shown(table.b.sum()) + ", expected 1");
     if (table.b_embedded.size() > 0 && std::abs(table.b_embedded.sum() - 1) > rounding)
-        reject("the sum of b_embedded is " + std::to_string(table.b_embedded.sum()) + ", expected 1");
+        reject("the sum of b_embedded is " + shown(table.b_embedded.sum()) + ", expected 1");
 }
 
 ButcherTable sdirk2() {

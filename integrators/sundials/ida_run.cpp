@@ -86,7 +86,7 @@ public:
     }
     void dense(double t, State& out) const override {
         if (!(t >= before_t_ && t <= now_.t))
-            throw InputError("Ida: dense output at t = " + std::to_string(t) + ", expected in the last step");
+            throw InputError("Ida: dense output at t = " + shown(t) + ", expected in the last step");
         if (t == now_.t) {
             out = now_;
             return;

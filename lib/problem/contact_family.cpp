@@ -14,7 +14,8 @@ bool only_gap_varies(const ContactFamily& family) {
 }
 
 void SingleProblem::gap(const Parameter&, std::span<const Index> rows, VectorRef out) const {
-    for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = problem_.c.modes.row(rows[k]).sum();
+    const Vector c = problem_.c.at(0);
+    for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = c[rows[k]];
 }
 
 }  // namespace tact

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "matrix.hpp"
@@ -12,27 +15,50 @@ namespace tact {
 /// Which limit of a function that jumps: f(t-) or f(t+).
 enum class Side { left, right };
 
-/// A vector in time that is affine in a few scalar functions: modes * coefficients(t). Loads and gaps come in this
-/// form so that they are projected once and a reduced step never touches the full size.
-struct AffineVector {
+/// A vector in time: modes * coefficients(t), affine in a few scalar functions. Loads and gaps come in this form so that they
+/// are projected once and a reduced step never touches the full size. The modes are dense, or sparse where a load acts on a
+/// few unknowns of many. A vector that is no sum of few modes is a `function` of its full size; it cannot be reduced.
+class AffineVector {
+public:
     using Coefficients = std::function<void(double t, Side side, VectorRef out)>;
 
     AffineVector() = default;
-    /// Constant in time.
+    /// Constant in time: any Eigen column.
     AffineVector(Vector constant) : modes(std::move(constant)) {}  // NOLINT: a vector is a constant load
-    /// n x k modes; `coefficients` fills k numbers and must not allocate. `jumps`: times where it is discontinuous.
+    template <class Column>
+    requires(Column::ColsAtCompileTime == 1) AffineVector(const Eigen::MatrixBase<Column>& constant)
+        : modes(constant) {}  // NOLINT
+    /// n x k modes; `coefficients` fills k numbers and must not allocate; where it is empty they are all ones, for ever.
+    /// `jumps`: times where it is discontinuous, in order.
     AffineVector(DenseMatrix modes_, Coefficients coefficients_, std::vector<double> jumps_ = {})
         : modes(std::move(modes_)), coefficients(std::move(coefficients_)), jumps(std::move(jumps_)) {}
+    AffineVector(SparseMatrix modes, Coefficients coefficients, std::vector<double> jumps = {});
+    /// `values` writes the n numbers at t and must not allocate. InputError if it is empty or n < 0.
+    static AffineVector function(Index n, Coefficients values, std::vector<double> jumps = {});
 
-    Index size() const { return modes.rows(); }
-    bool constant() const { return !coefficients; }
-    /// out = modes * coefficients(t); `scratch` holds at least modes.cols() numbers.
+    Index size() const { return function_ ? size_ : sparse_ ? sparse_->rows() : modes.rows(); }
+    /// k; 0 for a function of full size.
+    Index mode_count() const { return sparse_ ? sparse_->cols() : modes.cols(); }
+    bool constant() const { return !coefficients && !function_; }
+    /// Whether it has no modes.
+    bool is_function() const { return function_ != nullptr; }
+    /// The vector at t; `scratch` holds at least mode_count() numbers.
     void evaluate(double t, Side side, VectorRef scratch, VectorRef out) const;
     Vector at(double t, Side side = Side::right) const;
 
-    DenseMatrix modes;
-    Coefficients coefficients;  ///< empty: all ones, for ever
+    /// The k modes, sparse ones too, as a dense n x k matrix. InputError in the name of `what` for a function of full size.
+    DenseMatrix dense_modes(std::string_view what) const;
+    /// Modes with few entries as they are stored; else nullptr.
+    const SparseMatrix* sparse_modes() const { return sparse_.get(); }
+
+    DenseMatrix modes;          ///< n x k if they are dense, else empty
+    Coefficients coefficients;  ///< empty: constant, or a function of full size
     std::vector<double> jumps;
+
+private:
+    std::shared_ptr<const SparseMatrix> sparse_;
+    Coefficients function_;
+    Index size_ = 0;
 };
 
 /// Internal forces that are not linear in u, beside K u, with their tangent.
@@ -73,9 +99,9 @@ struct ContactProblem {
     bool contact_only() const { return !c_up && force_lo.size() == 0 && force_up.size() == 0; }
 };
 
-/// Throws InputError naming the first field that has a wrong shape, a NaN or infinite entry (c may hold -infinity, c_up
-/// infinity), rows with c > c_up, a force_lo above or a force_up below zero,
-/// or an M that is not symmetric, or a function that is missing in r.
+/// Throws InputError naming the first field, and its first entry, that has a wrong shape, a NaN or infinite entry (c may hold
+/// -infinity, c_up infinity), rows with c > c_up, a force_lo above or a force_up below zero, jumps that are not in order, or an
+/// M that is not symmetric, or a function that is missing in r.
 void validate(const ContactProblem& problem);
 
 /// InputError in the name of `who` unless all rows are contact rows.

@@ -112,7 +112,7 @@ void start_in_equilibrium(ContactProblem& problem, const SparseMatrix& K, const 
 ContactProblem redistribute_mass(const ContactProblem& problem, double keep) {
     if (!problem.M) reject("the problem has no M, expected one that is diagonal");
     if (!problem.M->diagonal_entries()) reject("M is " + problem.M->shape() + ", expected a diagonal one: lump it");
-    if (!(keep >= 0 && keep <= 1)) reject("keep is " + std::to_string(keep) + ", expected from 0 to 1");
+    if (!(keep >= 0 && keep <= 1)) reject("keep is " + shown(keep) + ", expected from 0 to 1");
 
     validate(problem);
     require_contact_rows("redistribute_mass", problem);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -116,17 +117,86 @@ void drop_subnormal(double* entries, Index count) {
         entries[i] = std::abs(entries[i]) < std::numeric_limits<double>::min() ? 0.0 : entries[i];
 }
 
+/// The entries of one column by their rows, each row once: equal ones are summed in the order they came in.
+void merge_column(std::vector<std::pair<long, double>>& column) {
+    std::stable_sort(column.begin(), column.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::size_t kept = 0;
+    for (std::size_t k = 1; k < column.size(); ++k)
+        if (column[k].first == column[kept].first)
+            column[kept].second += column[k].second;
+        else
+            column[++kept] = column[k];
+    column.resize(std::min(column.size(), kept + 1));
+}
+
+/// Rows in each column in order and once. One pass where they are.
+void put_in_order(SparseMatrix& A) {
+    auto* outer = A.outerIndexPtr();
+    auto* inner = A.innerIndexPtr();
+    double* value = A.valuePtr();
+    bool in_order = true;
+    for (Index j = 0; j < A.outerSize(); ++j)
+        for (auto k = outer[j]; k < outer[j + 1]; ++k) {
+            if (inner[k] < 0 || inner[k] >= A.rows())
+                throw InputError("Matrix: column " + std::to_string(j) + " has an entry in row " +
+                                 std::to_string(inner[k]) + ", expected 0 to " + std::to_string(A.rows() - 1));
+            in_order &= k == outer[j] || inner[k - 1] < inner[k];
+        }
+    if (in_order) return;
+    std::vector<std::pair<long, double>> column;
+    long from = outer[0], kept = 0;
+    for (Index j = 0; j < A.outerSize(); ++j) {
+        const long end = outer[j + 1];
+        column.clear();
+        for (; from < end; ++from) column.emplace_back(inner[from], value[from]);
+        merge_column(column);
+        outer[j] = kept;
+        for (const auto& [row, entry] : column) {
+            inner[kept] = row;
+            value[kept++] = entry;
+        }
+    }
+    outer[A.outerSize()] = kept;
+    A.resizeNonZeros(kept);
+}
+
 }  // namespace
 
 Matrix::Matrix() : Matrix(SparseMatrix(0, 0)) {}
 
 Matrix::Matrix(SparseMatrix entries) : rows_(entries.rows()), cols_(entries.cols()) {
     entries.makeCompressed();
+    put_in_order(entries);
     drop_subnormal(entries.valuePtr(), entries.nonZeros());
     // Eigen's sparse matrices have no move constructor.
     const auto storage = std::make_shared<Storage>(SparseMatrix());
     std::get<SparseMatrix>(storage->entries).swap(entries);
     storage_ = storage;
+}
+
+Matrix Matrix::from_columns(Index rows, Index cols, std::span<const long> starts, std::span<const long> row_indices,
+                            std::span<const double> entries) {
+    const auto reject = [](const std::string& what) { throw InputError("Matrix: " + what); };
+    if (rows < 0 || cols < 0)
+        reject("the shape is " + std::to_string(rows) + "x" + std::to_string(cols) + ", expected >= 0");
+    if (static_cast<Index>(starts.size()) != cols + 1)
+        reject("there are " + std::to_string(starts.size()) + " starts, expected " + std::to_string(cols + 1) +
+               ", one more than columns");
+    if (row_indices.size() != entries.size())
+        reject("there are " + std::to_string(row_indices.size()) + " row indices, expected one for each of the " +
+               std::to_string(entries.size()) + " entries");
+    if (starts.front() != 0 || starts.back() != static_cast<long>(entries.size()))
+        reject("starts go from " + std::to_string(starts.front()) + " to " + std::to_string(starts.back()) +
+               ", expected from 0 to the number of entries, " + std::to_string(entries.size()));
+    if (const auto fall = std::adjacent_find(starts.begin(), starts.end(), std::greater<>()); fall != starts.end())
+        reject("starts[" + std::to_string(fall - starts.begin() + 1) + "] is " + std::to_string(fall[1]) +
+               ", expected at least the one before, " + std::to_string(fall[0]));
+    SparseMatrix A(rows, cols);
+    A.resizeNonZeros(static_cast<Index>(entries.size()));
+    std::copy(starts.begin(), starts.end(), A.outerIndexPtr());
+    std::copy(row_indices.begin(), row_indices.end(), A.innerIndexPtr());
+    std::copy(entries.begin(), entries.end(), A.valuePtr());
+    return Matrix(std::move(A));
 }
 
 Matrix::Matrix(DenseMatrix entries) : rows_(entries.rows()), cols_(entries.cols()) {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -22,8 +23,14 @@ public:
 
     /// 0 x 0.
     Matrix();
-    /// The storage is compressed; entries must be finite (checked by ContactProblem::validate).
+    /// Any sparse matrix, compressed or not. Rows in a column need not be in order, and entries that name one place twice are
+    /// summed, as SciPy does: what is stored is in order and names each place once. InputError for a row that is not there.
+    /// Entries must be finite (checked by ContactProblem::validate).
     explicit Matrix(SparseMatrix entries);
+    /// The same from compressed columns as other libraries hold them (SciPy's indptr, indices, data): column j has the entries
+    /// starts[j] to starts[j + 1] - 1. InputError if the arrays do not fit together.
+    static Matrix from_columns(Index rows, Index cols, std::span<const long> starts,
+                               std::span<const long> row_indices, std::span<const double> entries);
     explicit Matrix(DenseMatrix entries);
     explicit Matrix(Diagonal diagonal);
     static Matrix diagonal(Vector entries);

@@ -10,11 +10,11 @@ namespace tact {
 
 Scene duffing_membrane(Index n, const DuffingMembraneData& data) {
     if (!(data.bed >= 0) || !std::isfinite(data.bed))
-        throw InputError("duffing_membrane: bed is " + std::to_string(data.bed) + ", expected >= 0");
+        throw InputError("duffing_membrane: bed is " + shown(data.bed) + ", expected >= 0");
     if (!(data.obstacle <= 0) || !std::isfinite(data.obstacle))
-        throw InputError("duffing_membrane: obstacle is " + std::to_string(data.obstacle) + ", expected <= 0");
+        throw InputError("duffing_membrane: obstacle is " + shown(data.obstacle) + ", expected <= 0");
     if (!std::isfinite(data.load))
-        throw InputError("duffing_membrane: load is " + std::to_string(data.load) + ", expected a finite number");
+        throw InputError("duffing_membrane: load is " + shown(data.load) + ", expected a finite number");
     const MembraneFamily family(n, Motion::dynamic);
     ContactProblem problem = family.at(0.5 * (family.lower() + family.upper()));
     const double h = 1.0 / static_cast<double>(n + 1), area = h * h;

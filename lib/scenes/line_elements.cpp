@@ -50,8 +50,7 @@ SparseMatrix single_row(Index columns, std::initializer_list<std::pair<Index, do
 
 void check_data(const char* object, const char* field, double value, bool ok, const char* expected) {
     if (!std::isfinite(value) || !ok)
-        throw InputError(std::string(object) + ": " + field + " is " + std::to_string(value) + ", expected " +
-                         expected);
+        throw InputError(std::string(object) + ": " + field + " is " + shown(value) + ", expected " + expected);
 }
 
 void check_elements(const char* object, Index elements, Index at_least) {

@@ -42,7 +42,7 @@ private:
     std::optional<Matrix> M_;
     Vector load_;
     /// A column a node, together in one cache line: x, 0.4 exp(-200 (y - .5)^2), exp(-355.56 (...)).
-    Eigen::Matrix<double, 3, Eigen::Dynamic> factors_;
+    DenseMatrix factors_;
 };
 
 /// The member at gamma of the family, with its mesh.

@@ -23,7 +23,7 @@ void Mesh::add_line(double left, double right, Index elements, Ends ends) {
     if (elements < 0 || count < 1)
         throw InputError("Mesh: elements is " + std::to_string(elements) + ", expected enough for a free node");
     if (!(elements == 0 ? left == right : left < right))
-        throw InputError("Mesh: a body from " + std::to_string(left) + " to " + std::to_string(right) +
+        throw InputError("Mesh: a body from " + shown(left) + " to " + shown(right) +
                          ", expected its left end first");
     Body body{unknowns(), 0, Vector(count), left, right};
     for (Index i = 0; i < count; ++i) {
@@ -56,8 +56,7 @@ double value_at(const Mesh& mesh, const ConstVectorRef& u, double x, double y, s
     check_values("value_at", mesh, u, body);
     if (!mesh.square()) throw InputError("value_at: the bodies lie on the line, expected them over the unit square");
     if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1))
-        throw InputError("value_at: point is (" + std::to_string(x) + ", " + std::to_string(y) +
-                         "), expected inside the unit square");
+        throw InputError("value_at: point is (" + shown(x) + ", " + shown(y) + "), expected inside the unit square");
     // Cell (i, j) has its lower left corner at (i h, j h), on the boundary for i = 0 or j = 0.
     const double cells = static_cast<double>(mesh.n + 1);
     const Index i = std::min(static_cast<Index>(x * cells), mesh.n);
@@ -77,8 +76,8 @@ double value_on_line(const Mesh& mesh, const ConstVectorRef& u, double x, std::s
     const Mesh::Body& b = mesh.bodies[body];
     if (mesh.square()) throw InputError("value_on_line: the bodies lie over the unit square, expected on the line");
     if (!(x >= b.left && x <= b.right))
-        throw InputError("value_on_line: x is " + std::to_string(x) + ", expected from " + std::to_string(b.left) +
-                         " to " + std::to_string(b.right));
+        throw InputError("value_on_line: x is " + shown(x) + ", expected from " + shown(b.left) + " to " +
+                         std::to_string(b.right));
     // Between node k - 1 and node k; an end without an unknown is a node of its own with the value zero.
     const Index count = b.line.size();
     const Index k = std::lower_bound(b.line.data(), b.line.data() + count, x) - b.line.data();

@@ -76,8 +76,7 @@ AffineVector blow_to_lower(const Mesh& mesh, const PlatesData& data) {
 
 void check(const char* field, double value, bool ok, const char* expected) {
     if (!std::isfinite(value) || !ok)
-        throw InputError(std::string("PlatesData: ") + field + " is " + std::to_string(value) + ", expected " +
-                         expected);
+        throw InputError(std::string("PlatesData: ") + field + " is " + shown(value) + ", expected " + expected);
 }
 
 }  // namespace

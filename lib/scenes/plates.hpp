@@ -7,11 +7,11 @@ namespace tact {
 
 /// SI units. Steel, 1 mm thick.
 struct PlatesData {
-    double stiffness = 18.315018;  ///< D = E h^3 / (12 (1 - nu^2)), N m
-    double mass = 7.8;             ///< rho h, kg/m^2
-    double gap = 0.04;             ///< between the plates at rest, m
-    double pressure = 1e5;         ///< of the blow at its centre and its beginning, N/m^2
-    double blow_at = 10 * 2e-4;    ///< s
+    double stiffness = 5000.0 / 273;  ///< D = E h^3 / (12 (1 - nu^2)), N m: E = 200 GPa, h = 1 mm, nu = 0.3
+    double mass = 7.8;                ///< rho h, kg/m^2
+    double gap = 0.04;                ///< between the plates at rest, m
+    double pressure = 1e5;            ///< of the blow at its centre and its beginning, N/m^2
+    double blow_at = 10 * 2e-4;       ///< s
 };
 
 /// mass u_tt + stiffness lap lap u = f on two unit squares, u and its normal derivative zero at the edges, both at rest:

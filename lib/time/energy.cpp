@@ -23,7 +23,7 @@ EnergyLedger::EnergyLedger(const ContactProblem& problem)
       gap_rate_(problem.constraints()),
       load_left_(problem.size()),
       load_right_(problem.size()),
-      scratch_(problem.f.modes.cols()) {}
+      scratch_(problem.f.mode_count()) {}
 
 void EnergyLedger::record(const State& state) {
     Energy e = energy_of(problem_, state);

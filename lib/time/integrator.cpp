@@ -2,16 +2,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "../algebra/empty_rows.hpp"
 
 namespace tact {
 
 TimeGrid TimeGrid::until(double t_end, double dt) {
-    if (!(dt > 0) || !std::isfinite(dt)) throw InputError("TimeGrid: dt is " + std::to_string(dt) + ", expected > 0");
+    if (!(dt > 0) || !std::isfinite(dt)) throw InputError("TimeGrid: dt is " + shown(dt) + ", expected > 0");
     const double steps = t_end / dt;
-    if (!(steps >= 0) || std::abs(steps - std::round(steps)) > 1e-6)
-        throw InputError("TimeGrid: t_end is " + std::to_string(t_end) +
-                         ", expected a whole number of steps of dt = " + std::to_string(dt));
-    return {dt, std::lround(steps), 0};
+    constexpr double countable = 9007199254740992;  // 2^53: doubles above it skip whole numbers
+    if (!(steps >= 0 && steps <= countable))
+        throw InputError("TimeGrid: t_end is " + shown(t_end) + ", which is " + shown(steps) +
+                         " steps of dt = " + shown(dt) + ", expected 0 to 2^53");
+    const double rounding = 2 * std::numeric_limits<double>::epsilon() * steps;
+    if (std::abs(steps - std::round(steps)) > std::max(1e-6, rounding))
+        throw InputError("TimeGrid: t_end is " + shown(t_end) + ", which is " + shown(steps) +
+                         " steps of dt = " + shown(dt) + ", expected a whole number of steps");
+    const TimeGrid grid{dt, std::lround(steps), 0};
+    validate(grid);
+    return grid;
+}
+
+void validate(const TimeGrid& grid) {
+    const auto expected = [](const char* field, const std::string& found, const std::string& expectation) {
+        throw InputError(std::string("TimeGrid: ") + field + " is " + found + ", expected " + expectation);
+    };
+    if (!(grid.dt > 0) || !std::isfinite(grid.dt)) expected("dt", shown(grid.dt), "> 0");
+    if (grid.steps < 0) expected("steps", std::to_string(grid.steps), ">= 0");
+    if (!std::isfinite(grid.t0)) expected("t0", shown(grid.t0), "a finite time");
+    const double end = grid.t(grid.steps), largest = std::max(std::abs(grid.t0), std::abs(end));
+    if (!std::isfinite(end)) expected("its end, t0 + steps dt,", shown(end), "a finite time");
+    // A point is rounded twice, in n dt and in the sum, each time by half a unit: two units apart they may still meet.
+    const double unit = std::nextafter(largest, infinity) - largest;
+    if (grid.steps > 0 && !(grid.dt > 4 * unit))
+        expected("dt", shown(grid.dt),
+                 "more than " + shown(4 * unit) + ": at t = " + shown(largest) + " its steps are lost in rounding");
 }
 
 namespace {
@@ -20,12 +46,6 @@ bool tell(std::span<const Observer> observers, const State& state, const StepRep
     bool proceed = true;
     for (const Observer& observer : observers) proceed &= observer(state, report) == Flow::proceed;
     return proceed;
-}
-
-void check(const TimeGrid& grid) {
-    if (!(grid.dt > 0) || !std::isfinite(grid.dt))
-        throw InputError("TimeGrid: dt is " + std::to_string(grid.dt) + ", expected > 0");
-    if (grid.steps < 0) throw InputError("TimeGrid: steps is " + std::to_string(grid.steps) + ", expected >= 0");
 }
 
 /// The row of the largest violation of u0 in units of the row's own size, and that violation.
@@ -37,7 +57,10 @@ std::pair<Index, double> initial_violation(const ContactProblem& problem, const 
         const double violation = beyond / std::max({std::abs(bound), std::abs(place[i]), size, 1e-300});
         if (violation > worst.second) worst = {i, violation};
     };
+    const std::vector<Index> empty = empty_rows(problem.B);
     for (Index i = 0; i < place.size(); ++i) {
+        // No u0 repairs an empty row: what it asks is judged in the steps.
+        if (std::binary_search(empty.begin(), empty.end(), i)) continue;
         if (c[i] > -infinity) look_at(i, c[i], c[i] - place[i]);
         if (upper.size() > 0 && upper[i] < infinity) look_at(i, upper[i], place[i] - upper[i]);
     }
@@ -61,7 +84,7 @@ ContactProblem admissible(const ContactProblem& problem, double t0, ContactWorks
     if (violation <= rounding) return problem;
     if (options.initial_penetration == InitialPenetration::reject)
         throw InputError("ContactProblem: u0 penetrates row " + std::to_string(row) + " by " +
-                         std::to_string(100 * violation) + " % of its size, expected B u0 >= c(t0)" +
+                         shown(100 * violation) + " % of its size, expected B u0 >= c(t0)" +
                          (problem.c_up ? " and B u0 <= c_up(t0)" : "") + "; see InitialPenetration");
     const Combination metric = problem.M ? Combination{1, 0, 0} : problem.D ? Combination{0, 1, 0} : Combination{};
     ContactProblem repaired = problem;
@@ -81,7 +104,7 @@ using Step = std::function<Flow(const Run&, const StepReport&)>;
 MarchReport march_through(const Integrator& method, const ContactProblem& given, const TimeGrid& grid,
                           ContactWorkspace& workspace, const MarchOptions& options, const Step& step) {
     validate(given);
-    check(grid);
+    validate(grid);
     const ContactProblem problem = admissible(given, grid.t0, workspace, options);
     const auto run = method.start(problem, grid, workspace);
     MarchReport march;
@@ -92,6 +115,11 @@ MarchReport march_through(const Integrator& method, const ContactProblem& given,
         march.last = run->advance();
         if (march.last.outcome != Outcome::converged) {
             march.outcome = march.last.outcome;
+            if (problem.c.constant())
+                if (const std::string row =
+                        contradiction_of_empty_row(march.last.contact, problem.B, problem.c.at(0));
+                    !row.empty())
+                    throw InputError("ContactProblem: " + row);
             break;
         }
         ++march.accepted_steps;
@@ -126,11 +154,11 @@ MarchReport integrate_with_output(const Integrator& method, const ContactProblem
                                   std::span<const Observer> observers, const MarchOptions& options) {
     for (std::size_t k = 0; k < times.size(); ++k) {
         if (!(times[k] >= grid.t0 && times[k] <= grid.t(grid.steps)))
-            throw InputError("integrate_with_output: times[" + std::to_string(k) + "] is " +
-                             std::to_string(times[k]) + ", expected within the grid");
+            throw InputError("integrate_with_output: times[" + std::to_string(k) + "] is " + shown(times[k]) +
+                             ", expected within the grid");
         if (k > 0 && times[k] <= times[k - 1])
-            throw InputError("integrate_with_output: times[" + std::to_string(k) + "] is " +
-                             std::to_string(times[k]) + ", expected more than the one before");
+            throw InputError("integrate_with_output: times[" + std::to_string(k) + "] is " + shown(times[k]) +
+                             ", expected more than the one before");
     }
     std::size_t next = 0;
     State between;

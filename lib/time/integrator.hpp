@@ -18,9 +18,14 @@ struct TimeGrid {
     long steps = 0;
     double t0 = 0;
     double t(long n) const { return t0 + static_cast<double>(n) * dt; }
-    /// The grid from 0 to t_end; InputError unless dt > 0 and t_end is a whole number of steps (to 1e-6 of one).
+    /// The grid from 0 to t_end; InputError unless dt > 0, t_end is a whole number of steps (to 1e-6 of one) and the grid is
+    /// valid.
     static TimeGrid until(double t_end, double dt);
 };
+
+/// Throws InputError unless dt > 0, steps >= 0 and all points are finite and differ: dt is lost in rounding where it is no
+/// larger than four units in the last place of the largest |t|.
+void validate(const TimeGrid& grid);
 
 /// What one step came to. On any outcome but `converged` the run's state is that before the step.
 struct [[nodiscard]] StepReport {
@@ -97,7 +102,7 @@ struct MarchOptions {
     InitialPenetration initial_penetration = InitialPenetration::reject;
 };
 
-/// validate(problem), then step through the grid.
+/// validate(problem) and validate(grid), then step through the grid.
 MarchReport integrate(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
                       ContactWorkspace& workspace, std::span<const Observer> observers = {},
                       const MarchOptions& options = {});

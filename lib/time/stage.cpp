@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "../algebra/empty_rows.hpp"
+
 namespace tact {
 
 State::State(const ContactProblem& problem, double t0) : t(t0), n(problem.size()) {
@@ -76,7 +78,7 @@ StageSolver::StageSolver(const ContactProblem& problem, ContactWorkspace& worksp
       rhs_(problem.size()),
       work_(problem.size()),
       scratch_(std::max(
-          {problem.f.modes.cols(), problem.c.modes.cols(), problem.c_up ? problem.c_up->modes.cols() : Index{0}})) {
+          {problem.f.mode_count(), problem.c.mode_count(), problem.c_up ? problem.c_up->mode_count() : Index{0}})) {
     if (problem.f.constant()) problem.f.evaluate(0, Side::right, scratch_, load_);
     if (problem.constraints() > 0 && problem.c.constant()) problem.c.evaluate(0, Side::right, scratch_, gap_);
     if (!problem.c_up) return;
@@ -175,6 +177,7 @@ ContactReport StageSolver::newton(const Combination& combination, const ConstVec
 StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace, const StaticSolution* guess) {
     if (!problem.is_static())
         throw InputError("solve_static: the problem has an M or a D, expected neither; use an integrator");
+    validate(problem);
     StageSolver stages(problem, workspace);
     State state(problem);
     if (guess && guess->u.size() == state.y.size()) state.y = guess->u;
@@ -182,6 +185,8 @@ StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& wor
     const Vector zero = Vector::Zero(problem.size());
     StaticSolution solution;
     solution.report = stages.solve(Stage{0, 0, zero, zero}, state);
+    if (const std::string row = contradiction_of_empty_row(solution.report, problem.B, problem.c.at(0)); !row.empty())
+        throw InputError("ContactProblem: " + row);
     solution.u = std::move(state.y);
     solution.lambda = std::move(state.lambda);
     return solution;

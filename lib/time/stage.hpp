@@ -94,7 +94,8 @@ struct [[nodiscard]] StaticSolution {
     Vector u, lambda;
     ContactReport report;
 };
-/// `guess`: a previous solution to start from. InputError unless the problem is static.
+/// `guess`: a previous solution to start from. validate(problem) first; InputError also unless the problem is static, and
+/// where an empty row of B asks for what no u can give.
 StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace,
                             const StaticSolution* guess = nullptr);
 

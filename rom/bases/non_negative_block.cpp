@@ -12,7 +12,7 @@ constexpr double dense_fill = 0.2;  // where a dense product overtakes: it runs 
 
 void check_entry(double value, Index i, Index j) {
     if (value >= 0 && std::isfinite(value)) return;
-    throw InputError("nnmf: X(" + std::to_string(i) + "," + std::to_string(j) + ") is " + std::to_string(value) +
+    throw InputError("nnmf: X(" + std::to_string(i) + "," + std::to_string(j) + ") is " + shown(value) +
                      ", expected a finite number >= 0");
 }
 

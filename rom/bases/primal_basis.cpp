@@ -127,10 +127,11 @@ DenseMatrix static_modes(const ContactProblem& problem, const std::vector<Index>
         forces(rows[j], static_cast<Index>(j)) = 1;
     }
     std::vector<Index> loads;
-    for (Index j = 0; j < problem.f.modes.cols(); ++j)
-        if (!problem.f.modes.col(j).isZero(0)) loads.push_back(j);
+    const DenseMatrix f = problem.f.dense_modes("static_modes: f");
+    for (Index j = 0; j < f.cols(); ++j)
+        if (!f.col(j).isZero(0)) loads.push_back(j);
     DenseMatrix modes(problem.size(), static_cast<Index>(loads.size() + rows.size()));
-    modes << problem.f.modes(Eigen::all, loads), problem.B.transposed_times(forces);
+    modes << f(Eigen::all, loads), problem.B.transposed_times(forces);
     if (modes.cols() == 0) return modes;
     linear.factorize(problem.K)->solve(modes);
     for (Index j = 0; j < modes.cols(); ++j) modes.col(j).stableNormalize();

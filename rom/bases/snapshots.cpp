@@ -33,7 +33,7 @@ SnapshotRecorder::SnapshotRecorder(Index unknowns, long steps, SnapshotSelection
         throw InputError("SnapshotSelection: primal is " + std::to_string(selection.primal) + " and dual is " +
                          std::to_string(selection.dual) + ", expected both at least 1");
     if (!(selection.tolerance >= 0 && selection.tolerance < 1))
-        throw InputError("SnapshotSelection: tolerance is " + std::to_string(selection.tolerance) +
+        throw InputError("SnapshotSelection: tolerance is " + shown(selection.tolerance) +
                          ", expected 0 <= tolerance < 1");
     const Index expected = std::max<Index>(steps / selection.primal, 1), blocks = (expected + block - 1) / block;
     primal_.resize(unknowns, (expected + blocks) / blocks);  // with room for a state at the start

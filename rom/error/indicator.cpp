@@ -43,7 +43,7 @@ DenseMatrix multiplier_of(const Matrix& B, const DenseMatrix& X) {
 
 /// Coefficients of an affine vector at the given times, a column each.
 DenseMatrix coefficients_at(const AffineVector& a, const std::vector<double>& times) {
-    DenseMatrix result = DenseMatrix::Ones(a.modes.cols(), static_cast<Index>(times.size()));
+    DenseMatrix result = DenseMatrix::Ones(a.mode_count(), static_cast<Index>(times.size()));
     if (a.constant()) return result;
     for (std::size_t j = 0; j < times.size(); ++j)
         a.coefficients(times[j], Side::right, result.col(static_cast<Index>(j)));
@@ -61,7 +61,7 @@ void subtract_gap(const Eigen::Ref<const DenseMatrix>& modes, bool constant, con
 
 void check_weight(const char* name, double value) {
     if (!(value >= 0) || !std::isfinite(value))
-        throw InputError(std::string("IndicatorWeights: ") + name + " is " + std::to_string(value) +
+        throw InputError(std::string("IndicatorWeights: ") + name + " is " + shown(value) +
                          ", expected a finite number >= 0");
 }
 
@@ -124,7 +124,7 @@ Indicator::Indicator(const ContactFamily& family, const ReducedBasis& basis, Ind
     if (!full.is_static()) forces.middleCols(p, p) = (full.M ? *full.M : *full.D).times(basis.U);
     if (damped) forces.rightCols(p) = full.D->times(basis.U);
     force_ = multiplier_of(full.B, forces);
-    load_ = {multiplier_of(full.B, full.f.modes), full.f.coefficients, full.f.jumps};
+    load_ = {multiplier_of(full.B, full.f.dense_modes("Indicator: f")), full.f.coefficients, full.f.jumps};
 }
 
 /// [q; a; v], what `force_` is multiplied with.

@@ -67,8 +67,8 @@ RelativeError relative_error(const ContactProblem& full, const Trajectory& u, co
                          " recorded states, expected the full one's " + std::to_string(u.size()));
     for (std::size_t j = 0; j < u.times().size(); ++j)
         if (std::abs(u.times()[j] - q.times()[j]) > 1e-9 * std::abs(u.times().back()))
-            throw InputError("relative_error: reduced state " + std::to_string(j) + " is at t = " +
-                             std::to_string(q.times()[j]) + ", expected " + std::to_string(u.times()[j]));
+            throw InputError("relative_error: reduced state " + std::to_string(j) +
+                             " is at t = " + shown(q.times()[j]) + ", expected " + shown(u.times()[j]));
     return relative_error(full, u.u(), basis, q.u(), u.times());
 }
 

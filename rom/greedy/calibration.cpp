@@ -63,7 +63,7 @@ bool run(const TrainingMethod& method, const ContactProblem& problem, ContactWor
 }  // namespace
 
 void calibrate(ErrorChecks& checks, const std::vector<ErrorSample>& samples, double safety) {
-    if (!(safety >= 1)) throw InputError("calibrate: safety is " + std::to_string(safety) + ", expected at least 1");
+    if (!(safety >= 1)) throw InputError("calibrate: safety is " + shown(safety) + ", expected at least 1");
     Ratios ratios(2, 0);
     for (std::size_t k = 0; k < samples.size(); ++k) {
         const ErrorSample& sample = samples[k];

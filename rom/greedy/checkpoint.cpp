@@ -58,8 +58,8 @@ std::string digest_of(const ContactProblem& problem) {
     digest.add(problem.D);
     digest.add(problem.K);
     digest.add(problem.B);
-    digest.add(problem.c.modes);
-    digest.add(problem.f.modes);
+    digest.add(problem.c.dense_modes("train: c"));
+    digest.add(problem.f.dense_modes("train: f"));
     digest.add(problem.u0);
     digest.add(problem.v0);
     return digest.text();

@@ -86,10 +86,10 @@ PodAccumulatorOptions pod_options(const TrainingOptions& options) {
     if (!options.sizes)
         throw InputError("TrainingOptions: sizes is empty, expected a function of the number of samples");
     if (!(options.pod_tolerance >= 0 && options.pod_tolerance < 1))
-        throw InputError("TrainingOptions: pod_tolerance is " + std::to_string(options.pod_tolerance) +
+        throw InputError("TrainingOptions: pod_tolerance is " + shown(options.pod_tolerance) +
                          ", expected 0 <= pod_tolerance < 1");
     if (!(options.supremizers.share >= 0 && options.supremizers.share < 1))
-        throw InputError("TrainingOptions: supremizers.share is " + std::to_string(options.supremizers.share) +
+        throw InputError("TrainingOptions: supremizers.share is " + shown(options.supremizers.share) +
                          ", expected 0 <= share < 1");
     PodAccumulatorOptions pod = options.pod;
     pod.max_vectors = std::max(pod.max_vectors, 2 * options.sizes(options.max_iterations).p);
@@ -112,8 +112,7 @@ Training::Training(const ContactFamily& family, const TrainingMethod& method, co
         throw InputError("TrainingOptions: max_iterations is " + std::to_string(options.max_iterations) +
                          ", expected at least 1");
     if (!(options.epsilon >= 0 && options.epsilon < 1))
-        throw InputError("TrainingOptions: epsilon is " + std::to_string(options.epsilon) +
-                         ", expected 0 <= epsilon < 1");
+        throw InputError("TrainingOptions: epsilon is " + shown(options.epsilon) + ", expected 0 <= epsilon < 1");
     if (options.threads < 1)
         throw InputError("TrainingOptions: threads is " + std::to_string(options.threads) + ", expected at least 1");
 }

@@ -20,7 +20,7 @@ void check_box(const char* where, const Parameter& lower, const Parameter& upper
     for (Index k = 0; k < lower.size(); ++k)
         if (!(lower[k] <= upper[k]) || lower[k] == -infinity || upper[k] == infinity)
             throw InputError(std::string(where) + ": parameter " + std::to_string(k) + " ranges from " +
-                             std::to_string(lower[k]) + " to " + std::to_string(upper[k]) +
+                             shown(lower[k]) + " to " + shown(upper[k]) +
                              ", expected finite bounds in ascending order");
 }
 

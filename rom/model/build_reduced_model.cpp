@@ -189,7 +189,7 @@ private:
         const double rest = (data_.others.terms * theta.transpose() - X).cwiseAbs().maxCoeff();
         constexpr double affine = 1e-10;
         if (!(rest <= affine * X.cwiseAbs().maxCoeff()))
-            reject("the parts that vary differ by " + std::to_string(rest) +
+            reject("the parts that vary differ by " + shown(rest) +
                    " of their size from sums with the family's coefficients, expected none");
         const ParameterFunction function = [&](const Parameter& gamma, VectorRef out) {
             out = family_.coefficients(gamma);
@@ -269,14 +269,14 @@ private:
         const DenseMatrix& U = basis_.U;
         if (!checks.rows.empty()) {
             checks.B_U = full_.B.times(U)(checks.rows, Eigen::all);
-            if (!gap_depends_) checks.gap = full_.c.modes(checks.rows, Eigen::all);
+            if (!gap_depends_) checks.gap = full_.c.dense_modes("build_reduced_model: c")(checks.rows, Eigen::all);
         }
         if (options_.check_unknowns.empty() || !data_.parts.empty()) return;
         checks.unknowns = options_.check_unknowns;
         checks.K_U = full_.K.times(U)(checks.unknowns, Eigen::all);
         if (full_.M) checks.M_U = full_.M->times(U)(checks.unknowns, Eigen::all);
         if (full_.D) checks.D_U = full_.D->times(U)(checks.unknowns, Eigen::all);
-        checks.load = full_.f.modes(checks.unknowns, Eigen::all);
+        checks.load = full_.f.dense_modes("build_reduced_model: f")(checks.unknowns, Eigen::all);
         if (basis_.dual_size() > 0)
             checks.multipliers = full_.B.transposed_times(basis_.U_lambda)(checks.unknowns, Eigen::all);
         else

@@ -32,17 +32,23 @@ Matrix project(const Matrix& A, const DenseMatrix& U) {
 /// U_lambda' c; rows that are off must be out of reach of U_lambda, and count as zero.
 AffineVector project_gap(const AffineVector& c, const DenseMatrix& U_lambda) {
     if (U_lambda.cols() == 0) return Vector(0);
-    DenseMatrix modes = c.modes;
+    DenseMatrix modes = c.dense_modes("reduce: c");
     for (Index j = 0; j < modes.cols(); ++j)
         for (Index i = 0; i < modes.rows(); ++i) {
             if (std::isfinite(modes(i, j))) continue;
             for (Index k = 0; k < U_lambda.cols(); ++k)
                 if (U_lambda(i, k) != 0)
                     throw InputError("reduce: U_lambda(" + std::to_string(i) + "," + std::to_string(k) + ") is " +
-                                     std::to_string(U_lambda(i, k)) + ", expected 0 where c is -infinity");
+                                     shown(U_lambda(i, k)) + ", expected 0 where c is -infinity");
             modes(i, j) = 0;
         }
-    return {U_lambda.transpose() * modes, c.coefficients, c.jumps};
+    return {DenseMatrix(U_lambda.transpose() * modes), c.coefficients, c.jumps};
+}
+
+AffineVector project_load(const AffineVector& f, const DenseMatrix& U) {
+    if (const SparseMatrix* modes = f.sparse_modes())
+        return {DenseMatrix(U.transpose() * *modes), f.coefficients, f.jumps};
+    return {DenseMatrix(U.transpose() * f.dense_modes("reduce: f")), f.coefficients, f.jumps};
 }
 
 /// argmin |U q - u| in the norm of W, or in the Euclidean one where W gives none.
@@ -89,7 +95,7 @@ public:
     }
 
     void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
-        const Vector c_r = names_.empty() ? reduced_.c.modes.rowwise().sum().eval() : reduced_gap(gamma);
+        const Vector c_r = names_.empty() ? reduced_.c.at(0) : reduced_gap(gamma);
         for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = c_r[rows[k]];
     }
 
@@ -109,8 +115,8 @@ private:
     [[noreturn]] void reject_gap(const Vector& c) const {
         for (std::size_t k = 0; k < touched_.size(); ++k)
             if (!std::isfinite(c[static_cast<Index>(k)]))
-                throw InputError("reduce: the family's gap is " + std::to_string(c[static_cast<Index>(k)]) +
-                                 " in row " + std::to_string(touched_[k]) +
+                throw InputError("reduce: the family's gap is " + shown(c[static_cast<Index>(k)]) + " in row " +
+                                 std::to_string(touched_[k]) +
                                  ", expected a finite number where U_lambda is not zero");
         throw InputError("reduce: the reduced gap overflows, expected finite entries");
     }
@@ -164,7 +170,7 @@ public:
     Vector coefficients(const Parameter& gamma) const override { return family_.coefficients(gamma); }
     ContactProblem at(const Parameter& gamma) const override { return reduce(family_.at(gamma), basis_); }
     void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
-        const Vector c = at(gamma).c.modes.rowwise().sum();
+        const Vector c = at(gamma).c.at(0);
         for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = c[rows[k]];
     }
 
@@ -188,7 +194,7 @@ ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
     reduced.B =
         touches ? Matrix(DenseMatrix(basis.U_lambda.transpose() * full.B.times(U))) : Matrix::without_rows(U.cols());
     reduced.c = project_gap(full.c, basis.U_lambda);
-    reduced.f = {U.transpose() * full.f.modes, full.f.coefficients, full.f.jumps};
+    reduced.f = project_load(full.f, U);
     const Matrix* inner = full.M ? &*full.M : full.D ? &*full.D : &full.K;
     reduced.u0 = project_state(U, inner, full.u0);
     if (full.second_order()) reduced.v0 = project_state(U, inner, full.v0);

@@ -30,7 +30,7 @@ void attach(const char* field, const TimeTable& table, AffineVector& vector) {
     if (table.empty()) return;
     if (!(table.grid.dt > 0) || table.grid.steps < 0)
         reject(std::string(field) + " has a grid of " + std::to_string(table.grid.steps) + " steps of " +
-               std::to_string(table.grid.dt) + ", expected at least 0 of more than 0");
+               shown(table.grid.dt) + ", expected at least 0 of more than 0");
     for (const DenseMatrix* side : {&table.left, &table.right})
         expect(field, *side, vector.modes.cols(), table.grid.steps + 1);
     vector.coefficients = function_of(table);

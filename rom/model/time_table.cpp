@@ -21,15 +21,18 @@ void TimeTable::evaluate(double t, Side side, VectorRef out) const {
 TimeTable tabulate(const AffineVector& functions, const TimeGrid& grid, long refinement) {
     TimeTable table;
     if (functions.constant()) return table;
+    if (functions.is_function())
+        throw InputError(
+            "tabulate: a function of its full size has no coefficients; expected modes * coefficients(t)");
+    validate(grid);
     table.grid = {grid.dt / static_cast<double>(refinement), grid.steps * refinement, grid.t0};
     table.jumps = functions.jumps;
     for (const double jump : table.jumps) {
         const double place = (jump - grid.t0) / table.grid.dt;
         if (place > 0 && place < static_cast<double>(table.grid.steps) && std::abs(place - std::round(place)) > 1e-6)
-            throw InputError("tabulate: a jump is at t = " + std::to_string(jump) +
-                             ", expected on the grid; refine it");
+            throw InputError("tabulate: a jump is at t = " + shown(jump) + ", expected on the grid; refine it");
     }
-    const Index count = functions.modes.cols(), points = table.grid.steps + 1;
+    const Index count = functions.mode_count(), points = table.grid.steps + 1;
     for (DenseMatrix* side : {&table.left, &table.right}) side->resize(count, points);
     for (Index n = 0; n < points; ++n) {
         // t_n as the integrator forms it, where both have it.

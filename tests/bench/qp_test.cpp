@@ -104,6 +104,67 @@ TEST_F(Qp, InfeasibleConstraintsAreAnOutcome) {
     EXPECT_EQ(row["kkt"].size(), 4u);
 }
 
+/// (u - 2)^2 scaled to 1e-16: objectives agree by the size of their own terms and not by 1.
+TEST_F(Qp, ComparesObjectivesOnTheProblemsOwnScale) {
+    const auto write = [&](const std::string& name, const std::string& expected) {
+        write_problem(name, expected);
+        write_file(root_ / name / "A.mtx",
+                   "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1e-16\n2 2 1e-16\n");
+        write_file(root_ / name / "b.txt", "0\n3e-16\n");
+    };
+    write("right", R"({"outcome": "converged", "objective": -2.5e-16, "tolerance": 1e-9})");
+    write("wrong", R"({"outcome": "converged", "objective": -2.6e-16, "tolerance": 1e-3})");
+    write("zero", R"({"outcome": "converged", "objective": 0, "tolerance": 1e-3})");
+    const Json rows = run();
+    EXPECT_TRUE(rows[0]["agrees"].get<bool>()) << rows[0];
+    EXPECT_FALSE(rows[1]["agrees"].get<bool>()) << rows[1];
+    EXPECT_FALSE(rows[2]["agrees"].get<bool>()) << rows[2];
+}
+
+/// Whoever reads the file can check each answer, and each proof that there is none, without us.
+TEST_F(Qp, WritesMultipliersAndCertificates) {
+    write_problem("solved");
+    const Json solved = run()[0];
+    // A u - b = B'lambda at u = (2, 2.5): 2 * 2 - 2.5 = 1.5 on the bound, nothing on the row that is off.
+    EXPECT_NEAR(solved["lambda"][0].get<double>(), 1.5, 1e-12);
+    EXPECT_EQ(solved["lambda"][1], 0);
+    EXPECT_TRUE(solved["infeasibility"].is_null() && solved["ray"].is_null() && solved["certificate"].is_null());
+
+    fs::remove_all(root_ / "solved");
+    write_problem("excluded");
+    write_file(root_ / "excluded" / "B.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1\n2 1 -1\n");
+    write_file(root_ / "excluded" / "c.txt", "1\n1\n");
+    const Json excluded = run()[0];
+    ASSERT_EQ(excluded["outcome"], "infeasible");
+    const auto y = excluded["infeasibility"].get<std::vector<double>>();
+    ASSERT_EQ(y.size(), 2u);
+    EXPECT_TRUE(y[0] >= 0 && y[1] >= 0);
+    EXPECT_NEAR(y[0] - y[1], 0, 1e-12);
+    EXPECT_GT(y[0] + y[1], 0);
+    EXPECT_NEAR(excluded["certificate"]["c'y"].get<double>(), y[0] + y[1], 1e-12);
+    EXPECT_LE(excluded["certificate"]["B'y"].get<double>(), 1e-12);
+
+    fs::remove_all(root_ / "excluded");
+    write_problem("falling");
+    write_file(root_ / "falling" / "A.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 1 2\n");
+    const Json falling = run()[0];  // b pulls u_2 up and nothing holds it
+    ASSERT_EQ(falling["outcome"], "unbounded");
+    const auto d = falling["ray"].get<std::vector<double>>();
+    EXPECT_NEAR(d[0], 0, 1e-12);
+    EXPECT_GT(d[1], 0);
+    EXPECT_NEAR(falling["certificate"]["b'd"].get<double>(), 3 * d[1], 1e-9);
+    EXPECT_LE(falling["certificate"]["A d"].get<double>(), 1e-12);
+    EXPECT_GE(falling["certificate"]["least B d"].get<double>(), 0);
+
+    fs::remove_all(root_ / "falling");
+    write_problem("empty-row");
+    write_file(root_ / "empty-row" / "B.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 1\n2 2 1\n");
+    write_file(root_ / "empty-row" / "c.txt", "0.001\n-inf\n");
+    const Json empty = run()[0];
+    EXPECT_EQ(empty["outcome"], "infeasible");
+    EXPECT_TRUE(says(empty, "row 0 of B has no entries and c_0 is 0.001")) << empty;
+}
+
 TEST_F(Qp, WithoutAnExpectedAnswerNothingIsCompared) {
     write_problem("mine");
     const Json rows = run_qp(root_ / "mine", *contact_solver("chooser"));

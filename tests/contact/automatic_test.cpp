@@ -119,10 +119,92 @@ TEST(AutomaticContact, DoesWhatItsOptionsSay) {
     EXPECT_EQ(strategy({.never = {ContactStrategy::multigrid_active_set}}), "Schur complement");
     EXPECT_EQ(strategy({.always = ContactStrategy::projected_cg}), "projected CG");
     EXPECT_EQ(strategy({.small = 400}), "dense Goldfarb-Idnani");
-    EXPECT_THROW((void)AutomaticContact({.never = {ContactStrategy::multigrid_active_set, ContactStrategy::schur,
-                                                   ContactStrategy::klu_active_set}})
-                     .prepare(o.K, o.B),
-                 InputError);
+    EXPECT_EQ(strategy({.always = ContactStrategy::principal_pivoting}), "principal pivoting");
+}
+
+const std::vector<ContactStrategy> every_strategy{
+    ContactStrategy::diagonal,           ContactStrategy::dense,        ContactStrategy::klu_active_set,
+    ContactStrategy::colour_sor,         ContactStrategy::projected_cg, ContactStrategy::multigrid_active_set,
+    ContactStrategy::interior_point,     ContactStrategy::schur,        ContactStrategy::orthogonal,
+    ContactStrategy::principal_pivoting, ContactStrategy::proximal};
+
+/// A free chain pressed on a stop at its end: A is singular, u falls from 0 and the stop bears the whole load.
+Obstacle free_chain(Index n) {
+    SparseMatrix A(n, n), B(1, n);
+    for (Index i = 0; i + 1 < n; ++i) {
+        A.coeffRef(i, i) += 1;
+        A.coeffRef(i + 1, i + 1) += 1;
+        A.coeffRef(i, i + 1) -= 1;
+        A.coeffRef(i + 1, i) -= 1;
+    }
+    B.insert(0, 0) = 1;
+    return {Matrix(A), Matrix(B), Vector::Constant(n, -1), Vector::Zero(1)};
+}
+
+/// Whatever single one is left, and whatever pair is forbidden: an answer by one that is allowed, or InputError at prepare.
+TEST(AutomaticContact, NeverLeavesWhatIsLeft) {
+    const Index n = 320;
+    for (const auto& forbidden :
+         {std::vector{ContactStrategy::schur, ContactStrategy::interior_point}, std::vector{ContactStrategy::schur},
+          std::vector{ContactStrategy::schur, ContactStrategy::orthogonal},
+          std::vector{ContactStrategy::schur, ContactStrategy::klu_active_set},
+          std::vector{ContactStrategy::klu_active_set, ContactStrategy::interior_point}}) {
+        const Obstacle o = free_chain(n);
+        // Without either, the proximal iteration has nothing to go around and nobody takes a singular A.
+        const bool proximal_has_none = forbidden.size() == 2 && forbidden[1] == ContactStrategy::orthogonal;
+        if (proximal_has_none) continue;
+        const Solved s = solve(*AutomaticContact({.never = forbidden}).prepare(o.K, o.B), o);
+        ASSERT_EQ(s.report.outcome, Outcome::converged) << to_string(s.report.outcome);
+        for (Index i = 0; i < n; ++i) {  // u_i - u_i-1 is the load beyond i
+            const double exact = -0.5 * static_cast<double>(i * (2 * n - 1 - i));
+            ASSERT_NEAR(s.u[i], exact, 1e-8 * static_cast<double>(n * n)) << i;
+        }
+    }
+    const Obstacle o = obstacle(20, Eigen::Vector2d(0.45, 0.4));
+    const Vector expected = solve(*AutomaticContact().prepare(o.K, o.B), o).u;
+    for (const ContactStrategy left : every_strategy) {
+        std::vector<ContactStrategy> forbidden = every_strategy;
+        std::erase(forbidden, left);
+        std::unique_ptr<PreparedContact> prepared;
+        try {
+            prepared = AutomaticContact({.never = forbidden}).prepare(o.K, o.B);
+        } catch (const InputError&) {
+            continue;
+        }
+        const Solved s = solve(*prepared, o);
+        ASSERT_EQ(s.report.outcome, Outcome::converged) << static_cast<int>(left) << to_string(s.report.outcome);
+        EXPECT_LE((s.u - expected).norm(), 1e-8) << static_cast<int>(left);
+    }
+    EXPECT_THROW((void)AutomaticContact({.never = every_strategy}).prepare(o.K, o.B), InputError);
+    SparseMatrix skew = o.K.to_sparse();
+    skew.coeffRef(0, 1) *= 1.5;
+    EXPECT_THROW((void)AutomaticContact({.never = every_strategy}).prepare(Matrix(skew), o.B), InputError);
+    const Solved pivoted =
+        solve(*AutomaticContact({.never = {ContactStrategy::klu_active_set}}).prepare(Matrix(skew), o.B), o);
+    EXPECT_EQ(pivoted.report.outcome, Outcome::converged);
+    EXPECT_LE((pivoted.u - solve(*KluActiveSet().prepare(Matrix(skew), o.B), o).u).norm(), 1e-9);
+}
+
+/// No other strategy follows the one that is asked for, though it does not solve the problem.
+TEST(AutomaticContact, AlwaysIsFollowedByNoOther) {
+    const Obstacle o = free_chain(320);
+    EXPECT_THROW((void)solve(*AutomaticContact({.always = ContactStrategy::schur}).prepare(o.K, o.B), o),
+                 NumericalError);
+    EXPECT_THROW((void)solve(*AutomaticContact({.always = ContactStrategy::orthogonal}).prepare(o.K, o.B), o),
+                 NumericalError);
+    // Constraints that exclude each other: the default lets others judge, and they are named.
+    Obstacle excluded = obstacle(20, Eigen::Vector2d(0.45, 0.4));
+    DenseMatrix B = DenseMatrix::Zero(2, 400);
+    B(0, 0) = 1;
+    B(1, 0) = -1;
+    excluded.B = Matrix(B);
+    excluded.c = Vector::Constant(2, 1);
+    for (const ContactStrategy strategy : {ContactStrategy::schur, ContactStrategy::klu_active_set,
+                                           ContactStrategy::interior_point, ContactStrategy::orthogonal}) {
+        const Solved s = solve(*AutomaticContact({.always = strategy}).prepare(excluded.K, excluded.B), excluded);
+        EXPECT_NE(s.report.outcome, Outcome::converged);
+        EXPECT_TRUE(s.report.fallback.empty()) << s.report.fallback;
+    }
 }
 
 TEST(MatrixFacts, BracketTheConditionThatEigenFinds) {

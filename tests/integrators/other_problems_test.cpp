@@ -38,6 +38,48 @@ Arkode::Options fine_arkode(bool newton) {
     return options;
 }
 
+/// One load in three forms: dense modes, sparse ones, a function of its full size; and the gap moves in two of them.
+TEST(Loads, OfEveryFormGiveTheSameMarch) {
+    constexpr Index n = 12;
+    DenseMatrix modes = DenseMatrix::Zero(n, 2);
+    modes(4, 0) = -3;
+    modes(7, 1) = 2;
+    const auto swell = [](double t, Side, VectorRef out) { out << std::sin(9 * t), std::cos(5 * t); };
+    const auto full = [modes](double t, Side, VectorRef out) {
+        out.setZero();
+        out[4] = std::sin(9 * t) * modes(4, 0);
+        out[7] = std::cos(5 * t) * modes(7, 1);
+    };
+    ContactProblem p;
+    p.M = Matrix::identity(n);
+    DenseMatrix K = 2 * DenseMatrix::Identity(n, n);
+    for (Index i = 1; i < n; ++i) K(i, i - 1) = K(i - 1, i) = -1;
+    p.K = Matrix(DenseMatrix(50 * K));
+    p.B = Matrix::identity(n);
+    const auto lowered = [](double t, Side, VectorRef out) { out[0] = 1 + t; };
+    const auto floor = [](double t, Side, VectorRef out) { out.setConstant(-0.02 * (1 + t)); };
+    p.u0 = p.v0 = Vector::Zero(n);
+    const Trapezoid trapezoid;
+    const Ida ida(fine_ida(false));
+    const Arkode arkode(sdirk2(), 0.5);
+    for (const Integrator* method : std::initializer_list<const Integrator*>{&trapezoid, &ida, &arkode}) {
+        Vector first;
+        for (const int form : {0, 1, 2}) {
+            p.f = form == 0   ? AffineVector(modes, swell)
+                  : form == 1 ? AffineVector(SparseMatrix(modes.sparseView()), swell)
+                              : AffineVector::function(n, full);
+            p.c = form == 2 ? AffineVector::function(n, floor)
+                            : AffineVector(DenseMatrix(DenseMatrix::Constant(n, 1, -0.02)), lowered);
+            ContactWorkspace workspace = dense_contact();
+            const MarchReport march = integrate(*method, p, TimeGrid::until(0.5, 0.01), workspace);
+            ASSERT_EQ(march.outcome, Outcome::converged) << method->name();
+            EXPECT_GT(march.first_contact_step, 0);
+            if (form == 0) first = march.final_state.u();
+            EXPECT_LE((march.final_state.u() - first).norm(), 1e-9) << method->name() << ' ' << form;
+        }
+    }
+}
+
 /// u'' + u + u^3 = 0, u(0) = 1.5.
 ContactProblem duffing() {
     ContactProblem p;

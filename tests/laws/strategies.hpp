@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <ostream>
 #include <vector>
 
 #include "../../contact/automatic.hpp"
@@ -25,6 +26,7 @@ struct Strategy {
     std::vector<Rows> takes;
     bool always_ends;  // a plain active set may come back to a set, and then says so
     bool unsymmetric = false;
+    friend void PrintTo(const Strategy& strategy, std::ostream* out) { *out << strategy.name; }
 };
 
 inline std::vector<Strategy> strategies() {

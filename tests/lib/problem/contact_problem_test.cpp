@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "../../../lib/errors.hpp"
 
 namespace tact {
@@ -91,6 +93,56 @@ TEST(AffineVector, IsModesTimesCoefficientsWithOneSidedLimits) {
     EXPECT_EQ(step.at(1, Side::left), Eigen::Vector2d(0, 1));
     EXPECT_EQ(step.at(1, Side::right), Eigen::Vector2d(1, 1));
     EXPECT_EQ(AffineVector(Vector(Vector::Ones(3))).at(7), Vector::Ones(3));
+}
+
+TEST(AffineVector, SparseModesAreWhatDenseOnesAre) {
+    DenseMatrix modes = DenseMatrix::Zero(5, 3);
+    modes(1, 0) = 2;
+    modes(4, 0) = modes(1, 1) = -3;
+    modes(2, 2) = 0.5;
+    const auto coefficients = [](double t, Side, VectorRef out) { out << t, 0, t * t; };
+    const AffineVector dense(modes, coefficients, {0.5}),
+        sparse(SparseMatrix(modes.sparseView()), coefficients, {0.5});
+    EXPECT_EQ(sparse.size(), 5);
+    EXPECT_EQ(sparse.mode_count(), 3);
+    EXPECT_FALSE(sparse.constant() || sparse.is_function());
+    EXPECT_EQ(sparse.jumps, dense.jumps);
+    EXPECT_EQ(sparse.at(0.7), dense.at(0.7));
+    EXPECT_EQ(sparse.dense_modes("f"), modes);
+    const AffineVector constant(SparseMatrix(modes.sparseView()), {});
+    EXPECT_TRUE(constant.constant());
+    EXPECT_EQ(constant.at(0), Vector(modes.rowwise().sum()));
+}
+
+TEST(AffineVector, IsAFunctionOfItsFullSizeWithoutModes) {
+    const AffineVector f = AffineVector::function(4, [](double t, Side side, VectorRef out) {
+        for (Index i = 0; i < 4; ++i) out[i] = std::sin(t + static_cast<double>(i)) + (side == Side::left ? 0 : 1);
+    });
+    EXPECT_EQ(f.size(), 4);
+    EXPECT_EQ(f.mode_count(), 0);
+    EXPECT_TRUE(f.is_function() && !f.constant());
+    EXPECT_EQ(f.at(0.3, Side::left)[2], std::sin(2.3));
+    EXPECT_EQ(f.at(0.3)[2], std::sin(2.3) + 1);
+    EXPECT_THROW((void)AffineVector::function(4, {}), InputError);
+    try {
+        (void)f.dense_modes("reduce: f");
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_EQ(std::string(error.what()).rfind("reduce: f is a function", 0), 0u) << error.what();
+    }
+    ContactProblem p = valid();
+    p.f = f;
+    expect_rejected(p, "f", "4 rows", "3");
+}
+
+TEST(AffineVector, TakesAnyColumnOfEigens) {
+    const Eigen::VectorXd plain = Eigen::VectorXd::LinSpaced(3, 1, 3);
+    AffineVector f = plain;
+    EXPECT_EQ(f.at(0), plain);
+    f = Vector::Constant(2, 7);
+    EXPECT_EQ(f.at(0), Eigen::Vector2d(7, 7));
+    f = 2 * plain;
+    EXPECT_EQ(f.at(0), 2 * plain);
 }
 
 }  // namespace

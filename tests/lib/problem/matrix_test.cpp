@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "../../../lib/errors.hpp"
 
@@ -33,6 +35,99 @@ TEST(Matrix, EveryKindMultipliesAsEigensDenseMatrixDoes) {
     const Matrix d = Matrix::diagonal(x);
     EXPECT_EQ(d * x, x.cwiseAbs2());
     EXPECT_EQ(d.main_diagonal(), x);
+}
+
+/// What the arrays say, entry by entry, as SciPy sums them.
+DenseMatrix summed(Index rows, const std::vector<long>& starts, const std::vector<long>& inner,
+                   const std::vector<double>& entries) {
+    DenseMatrix A = DenseMatrix::Zero(rows, static_cast<Index>(starts.size()) - 1);
+    for (Index j = 0; j < A.cols(); ++j)
+        for (long k = starts[static_cast<std::size_t>(j)]; k < starts[static_cast<std::size_t>(j + 1)]; ++k)
+            A(inner[static_cast<std::size_t>(k)], j) += entries[static_cast<std::size_t>(k)];
+    return A;
+}
+
+void expect_in_order(const Matrix& A) {
+    const SparseMatrix& S = *A.sparse();
+    for (Index j = 0; j < S.cols(); ++j)
+        for (long k = S.outerIndexPtr()[j] + 1; k < S.outerIndexPtr()[j + 1]; ++k)
+            EXPECT_LT(S.innerIndexPtr()[k - 1], S.innerIndexPtr()[k]);
+}
+
+TEST(Matrix, SortsRowsAndSumsThoseThatComeTwice) {
+    const std::vector<long> starts{0, 3, 3, 7, 8}, inner{2, 0, 1, 1, 1, 0, 1, 2};
+    const std::vector<double> entries{1, 2, 3, 4, -4, 5, 6, 7};
+    const Matrix A = Matrix::from_columns(3, 4, starts, inner, entries);
+    EXPECT_EQ(A.to_dense(), summed(3, starts, inner, entries));
+    expect_in_order(A);
+    // The same arrays in a matrix of Eigen's, which does not look at them.
+    SparseMatrix raw(3, 4);
+    raw.resizeNonZeros(8);
+    std::copy(starts.begin(), starts.end(), raw.outerIndexPtr());
+    std::copy(inner.begin(), inner.end(), raw.innerIndexPtr());
+    std::copy(entries.begin(), entries.end(), raw.valuePtr());
+    const Matrix B(raw);
+    EXPECT_EQ(B.to_dense(), A.to_dense());
+    expect_in_order(B);
+}
+
+/// A Laplacian given in four ways is one matrix, and symmetric.
+TEST(Matrix, IsSymmetricHoweverItsRowsAreOrdered) {
+    for (const long n : {3L, 50L})
+        for (const int way : {0, 1, 2, 3}) {
+            std::vector<long> starts{0}, inner;
+            std::vector<double> entries;
+            for (long j = 0; j < n; ++j) {
+                std::vector<std::pair<long, double>> column;
+                if (j > 0) column.emplace_back(j - 1, -1);
+                column.emplace_back(j, way >= 2 ? 0.5 : 2);
+                if (j + 1 < n) column.emplace_back(j + 1, -1);
+                if (way >= 2) column.emplace_back(j, 1.5);
+                if (way % 2 == 1) std::reverse(column.begin(), column.end());
+                for (const auto& [i, x] : column) inner.push_back(i), entries.push_back(x);
+                starts.push_back(static_cast<long>(inner.size()));
+            }
+            const Matrix K = Matrix::from_columns(n, n, starts, inner, entries);
+            expect_in_order(K);
+            EXPECT_TRUE(K.is_symmetric()) << n << ' ' << way;
+            EXPECT_EQ(K.sparse()->nonZeros(), 3 * n - 2);
+            EXPECT_EQ(K.main_diagonal(), Vector::Constant(n, 2));
+        }
+}
+
+TEST(Matrix, RefusesIndicesThatAreNotThere) {
+    const std::vector<long> starts{0, 1, 2}, inner{0, 1};
+    const std::vector<double> entries{1, 2};
+    const auto from = [&](Index rows, Index cols, std::vector<long> s, std::vector<long> i) {
+        return Matrix::from_columns(rows, cols, s, i, entries);
+    };
+    EXPECT_EQ(from(2, 2, starts, inner).sparse()->nonZeros(), 2);
+    EXPECT_THROW((void)from(2, 2, starts, {0, 2}), InputError);
+    EXPECT_THROW((void)from(2, 2, starts, {-1, 1}), InputError);
+    EXPECT_THROW((void)from(2, 2, {0, 1}, inner), InputError);
+    EXPECT_THROW((void)from(2, 2, {0, 1, 3}, inner), InputError);
+    EXPECT_THROW((void)from(2, 2, {1, 1, 2}, inner), InputError);
+    EXPECT_THROW((void)from(2, 3, {0, 2, 1, 2}, inner), InputError);
+    EXPECT_THROW((void)from(2, 2, starts, {0}), InputError);
+    EXPECT_THROW((void)from(-1, 2, starts, inner), InputError);
+    SparseMatrix wrong(2, 2);
+    wrong.insert(0, 0) = 1;
+    wrong.makeCompressed();
+    wrong.innerIndexPtr()[0] = 5;
+    EXPECT_THROW((void)Matrix(wrong), InputError);
+}
+
+TEST(Matrix, TakesOneThatIsNotCompressed) {
+    SparseMatrix A(3, 3);
+    A.reserve(Eigen::VectorXi::Constant(3, 3));
+    A.insert(2, 0) = 1;
+    A.insert(0, 0) = 2;
+    A.insert(1, 2) = 3;
+    ASSERT_FALSE(A.isCompressed());
+    const Matrix compressed(A);
+    EXPECT_TRUE(compressed.sparse()->isCompressed());
+    EXPECT_EQ(compressed.to_dense(), DenseMatrix(A));
+    expect_in_order(compressed);
 }
 
 TEST(Matrix, SubnormalEntriesAreTakenAsZeroAndNaNIsKept) {

@@ -41,6 +41,7 @@ struct Named {
     const char* name;
     DualBasis recipe;
     bool compresses = true;  // gives at most as many columns as asked
+    friend void PrintTo(const Named& basis, std::ostream* out) { *out << basis.name; }
 };
 
 NnmfOptions with(NnmfUpdates updates, std::optional<RandomStarts> random = std::nullopt) {

@@ -38,6 +38,11 @@ struct Kind {
         result.random = random;
         return result;
     }
+    friend void PrintTo(const Kind& kind, std::ostream* out) {
+        constexpr const char* names[] = {"hierarchical", "multiplicative", "least squares"};
+        *out << "width " << kind.width << ", " << names[static_cast<int>(kind.updates)];
+        if (kind.random) *out << ", random starts";
+    }
 };
 
 class NnmfOfKind : public ::testing::TestWithParam<Kind> {};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "../../../contact/dense/dense_contact.hpp"
 #include "../../../integrators/sundials/bdf2.hpp"
@@ -102,6 +103,25 @@ TEST(Reduce, RefusesANegativeDualBasis) {
     basis.U_lambda(5, 1) = -1e-9;
     EXPECT_THROW(reduce(chain(n), basis), InputError);
     EXPECT_THROW(reduce(ChainFamily(n), basis), InputError);
+}
+
+TEST(Reduce, ProjectsSparseModesAndRefusesALoadWithoutModes) {
+    ContactProblem full = chain(n, -0.4);
+    DenseMatrix modes = DenseMatrix::Zero(n, 2);
+    modes(3, 0) = 2;
+    modes(n - 1, 1) = -1;
+    const auto swell = [](double t, Side, VectorRef out) { out << std::sin(t), 1 + t; };
+    full.f = AffineVector(SparseMatrix(modes.sparseView()), swell);
+    const ReducedBasis basis = some_basis();
+    const ContactProblem reduced = reduce(full, basis);
+    EXPECT_LE((reduced.f.at(0.4) - basis.U.transpose() * full.f.at(0.4)).norm(), 1e-14);
+    full.f = AffineVector::function(n, [](double, Side, VectorRef out) { out.setOnes(); });
+    try {
+        (void)reduce(full, basis);
+        FAIL() << "a function of its full size was reduced";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("reduce: f is a function"), std::string::npos) << error.what();
+    }
 }
 
 TEST(Reduce, InfSupConstantSeesDependentRows) {
