@@ -48,7 +48,7 @@ double lanczos(const ContactProblem& problem, VelocityProjection& mass) {
         beta[j] = std::sqrt(std::max(work.dot(weighted), 0.0));
         const bool ended = j + 1 == most || !(beta[j] > 1e-13 * alpha[j]);
         if (ended || (j + 1) % look_every == 0) {
-            Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz;
+            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
             ritz.computeFromTridiagonal(alpha.head(j + 1), beta.head(j));
             const double value = ritz.eigenvalues()[j];
             const double residual = beta[j] * std::abs(ritz.eigenvectors()(j, j));

@@ -53,7 +53,7 @@ public:
             std::max_element(empty_.begin(), empty_.end(), [&](Index i, Index j) { return c[i] < c[j]; });
         // Where there is no u, the gaps alone say what is rounding.
         if (c[*worst] > 0 && c[*worst] > rounding * size_of_rows(solved) && report.infeasibility.size() == 0)
-            return contradiction(*worst, std::move(report), c.size());
+            return contradiction(*worst, report, c.size());
         if (report.infeasibility.size() > 0) {
             Vector certificate = Vector::Zero(c.size());
             certificate(kept_) = report.infeasibility;
@@ -76,12 +76,14 @@ private:
         return solved ? u_.lpNorm<Eigen::Infinity>() : 0;
     }
 
-    static ContactReport contradiction(Index row, ContactReport report, Index rows) {
+    static ContactReport contradiction(Index row, const ContactReport& solve, Index rows) {
+        ContactReport report;
         report.outcome = Outcome::infeasible;
-        report.kkt = {};
-        report.active = 0;
-        report.ray = {};
-        report.infeasibility = Vector::Unit(rows, row);
+        report.iterations = solve.iterations;
+        report.strategy = solve.strategy;
+        report.reason = solve.reason;
+        report.infeasibility.setZero(rows);
+        report.infeasibility[row] = 1;
         return report;
     }
 

@@ -37,7 +37,7 @@ SpectrumEstimate scaled_spectrum(const Matrix& A, int steps) {
         before.swap(q);
         q = work / beta[j];
     }
-    Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz;
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
     ritz.computeFromTridiagonal(alpha.head(made), beta.head(std::max<Index>(made - 1, 0)), Eigen::EigenvaluesOnly);
     return {ritz.eigenvalues().minCoeff(), ritz.eigenvalues().maxCoeff()};
 }

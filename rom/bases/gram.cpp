@@ -15,7 +15,7 @@ DenseMatrix gram(const Eigen::Ref<const DenseMatrix>& X) {
 }
 
 GramEigen gram_eigen(const DenseMatrix& G) {
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> solver(G);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(G);
     return {solver.eigenvectors().rowwise().reverse(), solver.eigenvalues().reverse().cwiseMax(0).cwiseSqrt()};
 }
 

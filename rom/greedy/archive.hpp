@@ -57,7 +57,7 @@ private:
     void put(std::string& text) { put_items(text); }
     void put(std::vector<bool>& flags) = delete;
     template <class Item> void put(std::vector<Item>& items) { put_items(items); }
-    template <int rows, int cols> void put(Eigen::Matrix<double, rows, cols>& matrix) {
+    template <int rows, int cols, int options> void put(Eigen::Matrix<double, rows, cols, options>& matrix) {
         std::int64_t m = matrix.rows(), n = matrix.cols();
         put(m);
         put(n);

@@ -37,13 +37,13 @@ DenseMatrix modes(const DenseMatrix& K_r, const DenseMatrix* mass_r) {
     DenseMatrix to_unit = DenseMatrix::Identity(K_r.rows(), K_r.cols());
     if (mass_r) {
         // By its eigenvectors, not by Cholesky: that keeps the small eigenvalues of a badly scaled mass apart.
-        const Eigen::SelfAdjointEigenSolver<DenseMatrix> mass(*mass_r);
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> mass(*mass_r);
         const Vector& weights = mass.eigenvalues();
         if (!(weights[0] > 1e-15 * weights[weights.size() - 1])) return {};
         to_unit = mass.eigenvectors() * weights.cwiseSqrt().cwiseInverse().asDiagonal();
     }
     const DenseMatrix scaled = to_unit.transpose() * K_r * to_unit;
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> solver((scaled + scaled.transpose()) / 2);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((scaled + scaled.transpose()) / 2);
     return to_unit * solver.eigenvectors();
 }
 

@@ -239,7 +239,7 @@ BasisReport report_basis(const ContactProblem& reduced, const Combination& combi
     DenseLinearSolver().factorize(combined(reduced, combination))->solve(S);
     S = (B * S).eval();
     const Vector sigma =
-        Eigen::SelfAdjointEigenSolver<DenseMatrix>((S + S.transpose()) / 2, Eigen::EigenvaluesOnly).eigenvalues();
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>((S + S.transpose()) / 2, Eigen::EigenvaluesOnly).eigenvalues();
     const double largest = sigma[sigma.size() - 1];
     report.schur_rank = (sigma.array() > 1e-12 * largest).count();
     report.schur_condition = report.schur_rank == report.p_lambda ? largest / sigma[0] : infinity;

@@ -213,7 +213,7 @@ TEST(MatrixFacts, BracketTheConditionThatEigenFinds) {
         const Matrix A = combine(1, K, mass, Matrix(Matrix::identity(K.rows()).to_sparse()));
         const Vector scale = A.main_diagonal().cwiseSqrt().cwiseInverse();
         const DenseMatrix scaled = scale.asDiagonal() * A.to_dense() * scale.asDiagonal();
-        const Vector values = Eigen::SelfAdjointEigenSolver<DenseMatrix>(scaled).eigenvalues();
+        const Vector values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues();
         const double condition = values.maxCoeff() / values.minCoeff();
         const MatrixFacts facts = matrix_facts(A);
         EXPECT_TRUE(facts.m_matrix && facts.positive_diagonal);

@@ -34,8 +34,8 @@ ContactProblem lumped_system(std::mt19937_64& random) {
 
 /// 2 / omega by the eigenvalues of the dense pair.
 double exact_limit(const ContactProblem& p) {
-    const Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix> pairs(p.K.to_dense(), p.M->to_dense(),
-                                                                      Eigen::EigenvaluesOnly);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> pairs(p.K.to_dense(), p.M->to_dense(),
+                                                                          Eigen::EigenvaluesOnly);
     return 2 / std::sqrt(pairs.eigenvalues().maxCoeff());
 }
 

@@ -167,7 +167,7 @@ PrecisionScene free_membrane(bool small) {
     compare_with(scene, [times = times_of(scene), given = scene.problem] {
         // Modes: M is a multiple of the identity.
         const double mass = (*given.M->diagonal_entries())[0];
-        const Eigen::SelfAdjointEigenSolver<DenseMatrix> modes(given.K.to_dense());
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(given.K.to_dense());
         const Vector rest = modes.eigenvectors().transpose() * given.f.at(0);
         const Vector still = rest.cwiseQuotient(modes.eigenvalues());
         const Vector frequency = (modes.eigenvalues() / mass).cwiseSqrt();

@@ -12,7 +12,7 @@ namespace {
 Vector scaled_eigenvalues(const SparseMatrix& A) {
     const Vector scale = Vector(A.diagonal()).cwiseSqrt().cwiseInverse();
     const DenseMatrix S = scale.asDiagonal() * DenseMatrix(A) * scale.asDiagonal();
-    return Eigen::SelfAdjointEigenSolver<DenseMatrix>(S, Eigen::EigenvaluesOnly).eigenvalues();
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(S, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 TEST(ScaledSpectrum, AllStepsGiveTheWholeSpectrum) {

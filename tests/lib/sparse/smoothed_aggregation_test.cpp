@@ -74,7 +74,7 @@ TEST(SmoothedAggregation, AMaskedCycleIsSymmetricPositiveDefiniteOnTheOthers) {
     Index zero = 0;
     for (Index i = 0; i < M.rows(); ++i) zero += M.row(i).isZero(0) && M.col(i).isZero(0);
     EXPECT_EQ(zero, static_cast<Index>(masked.size()));
-    const Vector spectrum = Eigen::SelfAdjointEigenSolver<DenseMatrix>(M).eigenvalues();
+    const Vector spectrum = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M).eigenvalues();
     EXPECT_GT(spectrum[zero], 1e-3);
     EXPECT_GT(spectrum[0], -1e-5);
     hierarchy.mask(0, {});
