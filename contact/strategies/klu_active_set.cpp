@@ -149,9 +149,9 @@ private:
     /// Of the terms that a multiplier is a sum of: what their rounding leaves of a multiplier that is zero. Where a set
     /// comes back it was more, by the condition of the set's equations: up to `most_rounding`, far below what is accepted.
     static constexpr double rounding = 1e-15, most_rounding = 1e-12;
-    /// Sets after which a guess is known to be far from the answer.
-    static constexpr int patient = 3;
-    /// Rows that may be wrong at first: an active set from no contact at all then needs no better start.
+    /// Sets after which a guess is known to be far from the answer: the coarser graphs cost about as much again.
+    static constexpr int patient = 4;
+    /// Rows that may be wrong at first where nothing was guessed: an active set then needs no better start.
     static constexpr std::size_t few = 8;
 
     /// The set whose solution violates no row and pulls at none; false, with the reason in the report, if none is found.
@@ -176,7 +176,7 @@ private:
                 report.outcome = exchanges_.careful() ? Outcome::cycling : Outcome::iteration_limit;
                 return false;
             }
-            if (!nested && wrong_.size() > few && report.iterations >= (cold ? 1 : patient)) {
+            if (!nested && (report.iterations == patient || (cold && wrong_.size() > few))) {
                 nested = true;
                 if (start_nested()) {
                     exchanges_.start();
