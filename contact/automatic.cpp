@@ -83,12 +83,28 @@ RowShape shape_of(const Matrix& B) {
     return {rows.bounds(), rows.disjoint()};
 }
 
+/// A as a diagonal matrix where it is one, however it is stored: the answer does not hang on that.
+Matrix diagonal_if_it_is_one(const Matrix& A) {
+    if (const SparseMatrix* sparse = A.sparse()) {
+        for (Index j = 0; j < sparse->cols(); ++j)
+            for (SparseMatrix::InnerIterator it(*sparse, j); it; ++it)
+                if (it.row() != j && it.value() != 0) return A;
+    } else if (const DenseMatrix* dense = A.dense()) {
+        for (Index j = 0; j < dense->cols(); ++j)
+            for (Index i = 0; i < dense->rows(); ++i)
+                if (i != j && (*dense)(i, j) != 0) return A;
+    } else {
+        return A;
+    }
+    return Matrix::diagonal(A.main_diagonal());
+}
+
 Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
     const auto may = [&](Strategy strategy) { return allowed(options, strategy); };
     if (options.always) return {*options.always, "asked for by the options"};
     if (!A.is_symmetric() && may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "A is not symmetric"};
     if (const Vector* diagonal = A.diagonal_entries();
-        diagonal && (diagonal->array() > 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
+        diagonal && (diagonal->array() >= 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
         return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
     if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
         return {Strategy::dense, "small or dense"};
@@ -276,8 +292,9 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
 
 }  // namespace
 
-std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
-    check_contact_matrices("AutomaticContact", A, B);
+std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A_as_stored, const Matrix& B) const {
+    check_contact_matrices("AutomaticContact", A_as_stored, B);
+    const Matrix A = options_.always ? A_as_stored : diagonal_if_it_is_one(A_as_stored);
     return prepare_merged(A, B, [&](const Matrix&, const Matrix& rows) {
         return prepare_renumbered(A, rows, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
             return prepare_chosen(A_renumbered, B_renumbered, options_);
