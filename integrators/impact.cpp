@@ -33,7 +33,9 @@ VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWor
     check_restitution("VelocityProjection", restitution);
     require_contact_rows("an impact law", problem);
     if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
-    if (const Vector* m = problem.M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
+    // No force gives a massless unknown a velocity: it is 0 but for what the rows make of it.
+    if (const Vector* m = problem.M->diagonal_entries())
+        inverse_mass_ = m->unaryExpr([](double mass) { return mass == 0 ? 0 : 1 / mass; });
     if (const DenseMatrix* B = problem.B.dense()) rows_ = B->transpose();
 }
 

@@ -5,186 +5,19 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "../../lib/algebra/empty_rows.hpp"
-#include "../../lib/sparse/klu_solver.hpp"
 #include "../dense/acceptance.hpp"
 #include "../prepare/matrix_facts.hpp"
-#include "../prepare/rows.hpp"
+#include "../prepare/nested_start.hpp"
+#include "condensed_system.hpp"
 
 namespace tact {
 namespace {
 
-using Triplet = Eigen::Triplet<double, long>;
-
-/// The system of one active set, in one pattern for all of them. Unknowns: u, and mu_i for the rows without an
-/// unknown of their own.
-///   active row i with own unknown o:   row o:      B_i u = c_i
-///                                      row j:      A_j u - (B_ij/B_io) A_o u = b_j - (B_ij/B_io) b_o,  j in row i
-///   row i without:                     row n + k:  B_i u = c_i (active) or mu_i = 0;   A u - B_i' mu_i in the rows of u
-class CondensedSystem {
-public:
-    CondensedSystem(const SparseMatrix& A, const ConstraintRows& rows)
-        : rows_(rows),
-          n_(A.rows()),
-          by_row_(SparseMatrix(A.transpose())),
-          own_(find_own_unknowns()),
-          klu_(pattern()) {}
-
-    Index size() const { return klu_.matrix().rows(); }
-
-    /// Fills in the values of this set and refactors; false if singular.
-    bool factor(const std::vector<char>& active) {
-        SparseMatrix& S = klu_.matrix();
-        Eigen::Map<Vector>(S.valuePtr(), S.nonZeros()).setZero();
-        for (Index r = 0; r < n_; ++r) {
-            const long i = owner_[static_cast<std::size_t>(r)];
-            if (i >= 0 && active[static_cast<std::size_t>(i)]) {
-                const auto columns = rows_.columns(i);
-                for (std::size_t k = 0; k < columns.size(); ++k) at(r, columns[k]) += rows_.weights(i)[k];
-            } else {
-                add_row(r, r, 1);
-            }
-        }
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            const bool on = active[static_cast<std::size_t>(i)];
-            const auto columns = rows_.columns(i);
-            const auto weights = rows_.weights(i);
-            const Index own = own_[static_cast<std::size_t>(i)];
-            if (own >= 0) {
-                if (!on) continue;
-                for (std::size_t k = 0; k < columns.size(); ++k)
-                    if (columns[k] != own) add_row(columns[k], own, -weights[k] / weight_of(i, own));
-            } else {
-                const Index extra = extra_[static_cast<std::size_t>(i)];
-                for (std::size_t k = 0; k < columns.size(); ++k) {
-                    at(columns[k], extra) = -weights[k];
-                    if (on) at(extra, columns[k]) = weights[k];
-                }
-                if (!on) at(extra, extra) = 1;
-            }
-        }
-        return klu_.refactor();
-    }
-
-    /// Solves for u and lambda on the set last factored.
-    void solve(const ConstVectorRef& b, const ConstVectorRef& c, const std::vector<char>& active, Vector& u,
-               Vector& lambda) {
-        x_.setZero(size());
-        x_.head(n_) = b;
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            if (!active[static_cast<std::size_t>(i)]) continue;
-            const Index own = own_[static_cast<std::size_t>(i)];
-            if (own < 0) {
-                x_[extra_[static_cast<std::size_t>(i)]] = c[i];
-                continue;
-            }
-            const auto columns = rows_.columns(i);
-            for (std::size_t k = 0; k < columns.size(); ++k)
-                if (columns[k] != own) x_[columns[k]] -= rows_.weights(i)[k] / weight_of(i, own) * b[own];
-            x_[own] = c[i];
-        }
-        klu_.solve(x_);
-        u = x_.head(n_);
-        lambda.setZero(rows_.rows());
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            if (!active[static_cast<std::size_t>(i)]) continue;
-            const Index own = own_[static_cast<std::size_t>(i)];
-            if (own < 0) {
-                lambda[i] = x_[extra_[static_cast<std::size_t>(i)]];
-                continue;
-            }
-            double force = -b[own];
-            for (SparseMatrix::InnerIterator it(by_row_, own); it; ++it) force += it.value() * u[it.index()];
-            lambda[i] = force / weight_of(i, own);
-        }
-    }
-
-private:
-    double weight_of(Index row, Index column) const {
-        const auto columns = rows_.columns(row);
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            if (columns[k] == column) return rows_.weights(row)[k];
-        return 0;
-    }
-
-    /// An unknown is a row's own if no other row touches it: then its equilibrium gives the row's multiplier alone.
-    std::vector<Index> find_own_unknowns() {
-        std::vector<int> uses(static_cast<std::size_t>(n_), 0);
-        for (Index i = 0; i < rows_.rows(); ++i)
-            for (const int j : rows_.columns(i)) ++uses[static_cast<std::size_t>(j)];
-        std::vector<Index> own(static_cast<std::size_t>(rows_.rows()), -1);
-        owner_.assign(static_cast<std::size_t>(n_), -1);
-        extra_.assign(own.size(), -1);
-        Index extras = 0;
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            double largest = 0;
-            const auto columns = rows_.columns(i);
-            for (std::size_t k = 0; k < columns.size(); ++k) {
-                const double weight = std::abs(rows_.weights(i)[k]);
-                if (uses[static_cast<std::size_t>(columns[k])] == 1 && weight > largest) {
-                    largest = weight;
-                    own[static_cast<std::size_t>(i)] = columns[k];
-                }
-            }
-            if (largest > 0)
-                owner_[static_cast<std::size_t>(own[static_cast<std::size_t>(i)])] = i;
-            else
-                extra_[static_cast<std::size_t>(i)] = n_ + extras++;
-        }
-        extras_ = extras;
-        return own;
-    }
-
-    SparseMatrix pattern() {
-        std::vector<Triplet> entries;
-        const auto copy_row = [&](Index target, Index source) {
-            for (SparseMatrix::InnerIterator it(by_row_, source); it; ++it)
-                entries.emplace_back(target, it.index(), 1.0);
-        };
-        for (Index r = 0; r < n_; ++r) copy_row(r, r);
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            const auto columns = rows_.columns(i);
-            const Index own = own_[static_cast<std::size_t>(i)];
-            const Index extra = extra_[static_cast<std::size_t>(i)];
-            if (own < 0) entries.emplace_back(extra, extra, 1.0);
-            for (std::size_t k = 0; k < columns.size(); ++k) {
-                if (own >= 0) {
-                    entries.emplace_back(own, columns[k], 1.0);
-                    if (columns[k] != own) copy_row(columns[k], own);
-                } else {
-                    entries.emplace_back(extra, columns[k], 1.0);
-                    entries.emplace_back(columns[k], extra, 1.0);
-                }
-            }
-        }
-        SparseMatrix S(n_ + extras_, n_ + extras_);
-        S.setFromTriplets(entries.begin(), entries.end());
-        return S;
-    }
-
-    double& at(Index row, Index column) {
-        SparseMatrix& S = klu_.matrix();
-        const long* first = S.innerIndexPtr() + S.outerIndexPtr()[column];
-        const long* last = S.innerIndexPtr() + S.outerIndexPtr()[column + 1];
-        return S.valuePtr()[std::lower_bound(first, last, row) - S.innerIndexPtr()];
-    }
-
-    void add_row(Index target, Index source, double factor) {
-        for (SparseMatrix::InnerIterator it(by_row_, source); it; ++it) at(target, it.index()) += factor * it.value();
-    }
-
-    const ConstraintRows& rows_;
-    Index n_;
-    Index extras_ = 0;
-    SparseMatrix by_row_;  // A', so that its columns are A's rows
-    std::vector<long> owner_;
-    std::vector<Index> extra_;
-    std::vector<Index> own_;
-    KluRefactorable klu_;
-    Vector x_;
-};
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// A power of two, so that scaling rounds nothing, near 1 / sqrt(x); 1 where x is not positive.
 double unit_of(double x) { return x > 0 ? std::exp2(std::round(-0.5 * std::log2(x))) : 1; }
@@ -196,6 +29,89 @@ Vector unit_rows(const SparseMatrix& B) {
     return square.unaryExpr(&unit_of);
 }
 
+/// Which wrong rows change sides. All of them, as long as no set comes back: the primal-dual active set. Then all while
+/// they become fewer, and the first one alone after three sets in which they did not: finite wherever each set has one
+/// solution and it is told from rounding. J. J. Judice, F. M. Pires, Comput. Oper. Res. 21 (1994); K. G. Murty (1974).
+class Exchanges {
+public:
+    void start() {
+        visited_.clear();
+        careful_ = false;
+    }
+    /// Whether a set has come back since start().
+    bool careful() const { return careful_; }
+    /// Changes `active` by the wrong rows. false if it is then a set that was left before, for the first time or again.
+    bool apply(std::vector<char>& active, const std::vector<Index>& wrong) {
+        if (visited_.empty()) visited_.insert(fingerprint(active));
+        bool all = true;
+        if (careful_) {
+            if (wrong.size() < fewest_) {
+                fewest_ = wrong.size();
+                patience_ = patient;
+            } else if (patience_ > 0) {
+                --patience_;
+            }
+            all = patience_ > 0;
+        }
+        for (std::size_t k = 0; k < (all ? wrong.size() : 1); ++k) active[at(wrong[k])] ^= 1;
+        if (visited_.insert(fingerprint(active)).second) return true;
+        visited_.clear();
+        if (!careful_) {
+            careful_ = true;
+            fewest_ = wrong.size();
+            patience_ = patient;
+        }
+        return false;
+    }
+
+private:
+    static constexpr int patient = 3;
+    static std::uint64_t fingerprint(const std::vector<char>& active) {
+        std::uint64_t hash = 1469598103934665603ULL;
+        for (const char on : active) hash = (hash ^ static_cast<std::uint64_t>(on)) * 1099511628211ULL;
+        return hash;
+    }
+    std::unordered_set<std::uint64_t> visited_;
+    bool careful_ = false;
+    std::size_t fewest_ = 0;
+    int patience_ = 0;
+};
+
+/// Rows with one entry as an interval for each unknown.
+class Intervals {
+public:
+    Intervals(const ConstraintRows& rows, Index unknowns) : rows_(rows), lower_(unknowns), upper_(unknowns) {
+        on_lower_.resize(at(unknowns));
+        on_upper_.resize(at(unknowns));
+    }
+    /// false where an interval is empty.
+    bool set(const Vector& c) {
+        lower_.setConstant(-infinity);
+        upper_.setConstant(infinity);
+        for (Index i = 0; i < rows_.rows(); ++i) {
+            if (c[i] == -infinity) continue;
+            const Index j = rows_.columns(i)[0];
+            const double weight = rows_.weights(i)[0], bound = c[i] / weight;
+            if (weight > 0 && bound > lower_[j]) {
+                lower_[j] = bound;
+                on_lower_[at(j)] = i;
+            } else if (weight < 0 && bound < upper_[j]) {
+                upper_[j] = bound;
+                on_upper_[at(j)] = i;
+            }
+        }
+        return (lower_.array() <= upper_.array()).all();
+    }
+    const Vector& lower() const { return lower_; }
+    const Vector& upper() const { return upper_; }
+    Index row_on(Index j, int side) const { return side < 0 ? on_lower_[at(j)] : on_upper_[at(j)]; }
+
+private:
+    const ConstraintRows& rows_;
+    Vector lower_, upper_;
+    std::vector<Index> on_lower_, on_upper_;
+};
+
 /// In unknowns of unit stiffness and rows of unit length, where pivots say whether the system of a set is singular.
 class PreparedKlu final : public PreparedContact {
 public:
@@ -206,72 +122,94 @@ public:
           row_unit_(unit_rows(B_)),
           rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
           system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
-          active_(static_cast<std::size_t>(B.rows()), 0) {}
+          active_(at(B.rows()), 0) {
+        if (rows_.bounds()) {
+            intervals_.emplace(rows_, A.rows());
+            nested_.emplace(SparseMatrix(system_.by_row().transpose()));
+        }
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
         report.strategy = "KLU condensed";
-        const Index m = rows_.rows();
         b_ = b.cwiseProduct(unit_);
         c_ = c.cwiseProduct(row_unit_);
-        for (Index i = 0; i < m; ++i) active_[static_cast<std::size_t>(i)] = point.lambda[i] > 0 && c[i] != -infinity;
-        std::vector<std::uint64_t> visited;
-        for (report.iterations = 1;; ++report.iterations) {
-            const auto print = fingerprint();
-            if (std::find(visited.begin(), visited.end(), print) != visited.end()) {
-                report.set_repeated = true;
-                report.outcome = Outcome::cycling;
-                return report;
-            }
-            visited.push_back(print);
-            if (report.iterations > iteration_limit) {
-                report.outcome = Outcome::iteration_limit;
-                return report;
-            }
-            if (active_ != factored_) {
-                if (!system_.factor(active_)) {
-                    if (std::find(active_.begin(), active_.end(), char{1}) == active_.end())
-                        throw NumericalError("KluActiveSet: A is singular (" + std::to_string(b.size()) + "x" +
-                                             std::to_string(b.size()) + ")");
-                    factored_.reset();
-                    report.outcome = Outcome::inaccurate;  // dependent rows in contact
-                    return report;
-                }
-                factored_ = active_;
-            }
-            system_.solve(b_, c_, active_, u_, lambda_);
-            bool changed = false;
-            for (Index i = 0; i < m; ++i) {
-                auto& on = active_[static_cast<std::size_t>(i)];
-                bool now = false;
-                if (c[i] != -infinity) {
-                    const double gap = rows_.gather(i, u_.data()) - c_[i];
-                    now =
-                        on ? lambda_[i] > 0 : gap < -2e-14 * (std::abs(c_[i]) + rows_.gather_absolute(i, u_.data()));
-                }
-                changed |= now != static_cast<bool>(on);
-                on = now;
-            }
-            if (!changed) break;
-        }
+        for (Index i = 0; i < c.size(); ++i) active_[at(i)] = point.lambda[i] > 0 && c[i] != -infinity;
+        if (!find_set(report)) return report;
         // A bound is met exactly: a gap of zero then is zero, not rounding.
-        for (Index i = 0; i < m; ++i)
-            if (active_[static_cast<std::size_t>(i)] && rows_.columns(i).size() == 1)
-                u_[rows_.columns(i)[0]] = c_[i] / rows_.weights(i)[0];
+        for (Index i = 0; i < c.size(); ++i)
+            if (active_[at(i)] && rows_.columns(i).size() == 1) u_[rows_.columns(i)[0]] = c_[i] / rows_.weights(i)[0];
         u_ = u_.cwiseProduct(unit_).eval();
-        lambda_ = lambda_.cwiseProduct(row_unit_).eval();
+        lambda_ = lambda_.cwiseMax(0).cwiseProduct(row_unit_).eval();
         accept_.certify(report, b, c, u_, lambda_, acceptable, 0, point);
         return report;
     }
 
 private:
     static constexpr double acceptable = 1e-10;
-    static constexpr int iteration_limit = 100;
+    /// Of the terms that a multiplier is a sum of: what their rounding leaves of a multiplier that is zero. Where a set
+    /// comes back it was more, by the condition of the set's equations: up to `most_rounding`, far below what is accepted.
+    static constexpr double rounding = 1e-15, most_rounding = 1e-12;
+    /// Sets after which a guess is known to be far from the answer: the coarser graphs cost about as much again.
+    static constexpr int patient = 4;
+    /// Rows that may be wrong at first where nothing was guessed: an active set then needs no better start.
+    static constexpr std::size_t few = 8;
 
-    std::uint64_t fingerprint() const {
-        std::uint64_t hash = 1469598103934665603ULL;
-        for (const char on : active_) hash = (hash ^ static_cast<std::uint64_t>(on)) * 1099511628211ULL;
-        return hash;
+    /// The set whose solution violates no row and pulls at none; false, with the reason in the report, if none is found.
+    bool find_set(ContactReport& report) {
+        exchanges_.start();
+        noise_ = rounding;
+        bool nested = !nested_;
+        const int limit = 1000 + 2 * static_cast<int>(std::min<Index>(c_.size(), 1000000));
+        const bool cold = std::find(active_.begin(), active_.end(), char{1}) == active_.end();
+        for (report.iterations = 1;; ++report.iterations) {
+            if (!system_.factor(active_)) {
+                if (std::find(active_.begin(), active_.end(), char{1}) == active_.end())
+                    throw NumericalError("KluActiveSet: A is singular (" + std::to_string(b_.size()) + "x" +
+                                         std::to_string(b_.size()) + ")");
+                report.outcome = Outcome::inaccurate;  // dependent rows in contact
+                return false;
+            }
+            system_.solve(b_, c_, active_, u_, lambda_, size_);
+            find_wrong();
+            if (wrong_.empty()) return true;
+            if (report.iterations >= limit) {
+                report.outcome = exchanges_.careful() ? Outcome::cycling : Outcome::iteration_limit;
+                return false;
+            }
+            if (!nested && (report.iterations == patient || (cold && wrong_.size() > few))) {
+                nested = true;
+                if (start_nested()) {
+                    exchanges_.start();
+                    continue;
+                }
+            }
+            if (!exchanges_.apply(active_, wrong_)) {
+                report.set_repeated = true;
+                noise_ = std::min(16 * noise_, most_rounding);
+            }
+        }
+    }
+
+    bool start_nested() {
+        if (!intervals_->set(c_) || !nested_->find(b_, intervals_->lower(), intervals_->upper(), u_, side_))
+            return false;
+        std::fill(active_.begin(), active_.end(), char{0});
+        for (Index j = 0; j < u_.size(); ++j)
+            if (side_[at(j)] != 0) active_[at(intervals_->row_on(j, side_[at(j)]))] = 1;
+        return true;
+    }
+
+    void find_wrong() {
+        wrong_.clear();
+        for (Index i = 0; i < c_.size(); ++i) {
+            if (active_[at(i)]) {
+                if (lambda_[i] < -noise_ * size_[i] || std::isnan(lambda_[i])) wrong_.push_back(i);
+            } else if (c_[i] != -infinity) {
+                const double gap = rows_.gather(i, u_.data()) - c_[i];
+                if (gap < -2e-14 * (std::abs(c_[i]) + rows_.gather_absolute(i, u_.data()))) wrong_.push_back(i);
+            }
+        }
     }
 
     Acceptance accept_;
@@ -280,9 +218,14 @@ private:
     Vector row_unit_;
     ConstraintRows rows_;
     CondensedSystem system_;
+    Exchanges exchanges_;
+    std::optional<Intervals> intervals_;  // where every row has one entry
+    std::optional<NestedStart> nested_;
     std::vector<char> active_;
-    std::optional<std::vector<char>> factored_;  // the set in the factor
-    Vector b_, c_, u_, lambda_;
+    std::vector<signed char> side_;
+    std::vector<Index> wrong_;
+    double noise_ = rounding;
+    Vector b_, c_, u_, lambda_, size_;
 };
 
 }  // namespace

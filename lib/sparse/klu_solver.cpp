@@ -57,8 +57,22 @@ bool KluRefactorable::refactor() {
     return factor_anew();
 }
 
-void KluRefactorable::solve(VectorRef b) const {
-    klu_l_solve(klu_->symbolic, klu_->numeric, b.size(), 1, b.data(), &klu_->common);
+void KluRefactorable::solve(Eigen::Ref<DenseMatrix> B) const {
+    // KLU takes four right-hand sides at a time through the factor.
+    klu_l_solve(klu_->symbolic, klu_->numeric, B.outerStride(), B.cols(), B.data(), &klu_->common);
+}
+
+void KluRefactorable::solve_transposed(Eigen::Ref<DenseMatrix> B) const {
+    klu_l_tsolve(klu_->symbolic, klu_->numeric, B.outerStride(), B.cols(), B.data(), &klu_->common);
+}
+
+double KluRefactorable::factor_cost() const {
+    klu_l_flops(klu_->symbolic, klu_->numeric, &klu_->common);
+    return klu_->common.flops;
+}
+
+double KluRefactorable::solve_cost() const {
+    return 2 * static_cast<double>(klu_->numeric->lnz + klu_->numeric->unz + klu_->numeric->nzoff);
 }
 
 namespace {
@@ -72,7 +86,7 @@ public:
     }
     Index size() const override { return klu_.matrix().rows(); }
     void solve(Eigen::Ref<DenseMatrix> B) const override {
-        for (Index j = 0; j < B.cols(); ++j) klu_.solve(B.col(j));
+        klu_.solve(B);
     }
 
 private:

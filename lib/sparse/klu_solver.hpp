@@ -25,8 +25,12 @@ public:
     const SparseMatrix& matrix() const { return A_; }
     /// false if the matrix is singular with fresh pivots too.
     [[nodiscard]] bool refactor();
-    /// b := A^-1 b.
-    void solve(VectorRef b) const;
+    /// B := A^-1 B, and B := A^-T B.
+    void solve(Eigen::Ref<DenseMatrix> B) const;
+    void solve_transposed(Eigen::Ref<DenseMatrix> B) const;
+    /// Operations of the numeric factorisation at hand, and of a solve with it.
+    double factor_cost() const;
+    double solve_cost() const;
     long full_factorisations() const { return full_factorisations_; }
 
 private:
