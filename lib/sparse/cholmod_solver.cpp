@@ -11,6 +11,7 @@
 #include "../errors.hpp"
 #include "band_factor.hpp"
 #include "compliance.hpp"
+#include "numbering.hpp"
 #include "supernodal_factor.hpp"
 
 namespace tact {
@@ -54,31 +55,10 @@ cholmod_sparse lower_view(const SparseMatrix& A) {
     return view;
 }
 
-/// Unknowns of one node, if A's numbering has them together: the largest block size whose blocks are mostly full. On a
-/// regular mesh of bricks symmetry empties 37 % of the 3 x 3 blocks; a scalar mesh read by pairs has them half empty.
-Index block_size(const SparseMatrix& A) {
-    constexpr double full = 0.55;
-    const Index n = A.cols();
-    std::vector<Index> seen;
-    for (Index size = 6; size > 1; --size) {
-        if (n % size != 0) continue;
-        seen.assign(static_cast<std::size_t>(n / size), -1);
-        Index blocks = 0;
-        for (Index j = 0; j < n; ++j)
-            for (auto k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
-                Index& last = seen[static_cast<std::size_t>(A.innerIndexPtr()[k] / size)];
-                blocks += last != j / size;
-                last = j / size;
-            }
-        if (static_cast<double>(A.nonZeros()) > full * static_cast<double>(blocks * size * size)) return size;
-    }
-    return 1;
-}
-
 /// Nested dissection by METIS, on the graph of the nodes: five times cheaper than on that of the unknowns, and as good.
 /// METIS draws from a generator that CHOLMOD leaves at its fixed seed. Empty if it fails.
 std::vector<long> nested_dissection(const SparseMatrix& A, cholmod_common& common) {
-    const Index size = block_size(A), nodes = A.cols() / size;
+    const Index size = unknowns_of_a_node(A), nodes = A.cols() / size;
     std::vector<long> start{0}, rows;
     std::vector<Index> seen(static_cast<std::size_t>(nodes), -1);
     for (Index node = 0; node < nodes; ++node) {
