@@ -9,16 +9,17 @@
 #include "dense/orthogonal_contact.hpp"
 #include "prepare/matrix_facts.hpp"
 #include "prepare/merged_rows.hpp"
+#include "prepare/pinned_unknowns.hpp"
 #include "prepare/renumbered.hpp"
 #include "prepare/rows.hpp"
 #include "strategies/colour_sor.hpp"
 #include "strategies/diagonal_contact.hpp"
+#include "strategies/floating_contact.hpp"
 #include "strategies/interior_point.hpp"
 #include "strategies/klu_active_set.hpp"
 #include "strategies/multigrid_active_set.hpp"
 #include "strategies/principal_pivoting.hpp"
 #include "strategies/projected_cg.hpp"
-#include "strategies/proximal_contact.hpp"
 #include "strategies/schur_contact.hpp"
 
 namespace tact {
@@ -30,6 +31,11 @@ using Prepared = std::unique_ptr<PreparedContact>;
 constexpr Index largest_orthogonal = 4000;
 /// Rows up to which pivots on a whole tableau are cheap.
 constexpr Index largest_tableau = 500;
+/// Condition of A, scaled to unit diagonal, beyond which its soft directions are solved for apart: with ten digits gone in a
+/// factor a residual at rounding says little about forces.
+constexpr double nearly_singular = 1e9;
+/// Rows up to which a singular A is left to a dense saddle at once, not after an iteration has failed.
+constexpr Index few_rows_of_floating = 6000;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
 constexpr Index cheap_to_factor = 20000;
 
@@ -51,15 +57,10 @@ Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) {
         case Strategy::projected_cg: return ProjectedCg().prepare(A, B);
         case Strategy::multigrid_active_set: return MultigridActiveSet().prepare(A, B);
         case Strategy::interior_point: return InteriorPoint().prepare(A, B);
+        case Strategy::floating: return FloatingContact().prepare(A, B);
         case Strategy::schur: break;
     }
-    return SchurContact().prepare(A, B);
-}
-
-/// Where A has no factor: what contact does not hold is found out by the proximal iteration.
-Prepared prepare_proximal(const Matrix& A, const Matrix& B) {
-    if (A.rows() <= largest_orthogonal) return ProximalContact(std::make_shared<OrthogonalContact>()).prepare(A, B);
-    return ProximalContact(std::make_shared<SchurContact>()).prepare(A, B);
+    return SchurContact({.least_stiffness = 1 / nearly_singular}).prepare(A, B);
 }
 
 /// Iterations of a solve, in the strategy's own count, that are some ten times the usual ones.
@@ -83,6 +84,16 @@ RowShape shape_of(const Matrix& B) {
     return {rows.bounds(), rows.disjoint()};
 }
 
+/// Whether a constant vector shows it (a translation, where unknowns are displacements), or, for few unknowns, a pivot.
+bool looks_singular(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
+    if (A.diagonal_entries() || B.rows() > few_rows_of_floating || !(A.main_diagonal().array() > 0).all())
+        return false;
+    if (matrix_facts(A).condition_above > nearly_singular) return true;
+    if (A.rows() > options.small) return false;
+    const Vector unit = A.main_diagonal().cwiseSqrt().cwiseInverse();
+    return !softest_pivots(unit.asDiagonal() * A.to_dense() * unit.asDiagonal(), 1 / nearly_singular).empty();
+}
+
 Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
     const auto may = [&](Strategy strategy) { return allowed(options, strategy); };
     if (options.always) return {*options.always, "asked for by the options"};
@@ -90,6 +101,8 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
     if (const Vector* diagonal = A.diagonal_entries();
         diagonal && (diagonal->array() > 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
         return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
+    if (may(Strategy::floating) && looks_singular(A, B, options))
+        return {Strategy::floating, "A is singular or nearly so"};
     if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
         return {Strategy::dense, "small or dense"};
     const RowShape rows = shape_of(B);
@@ -242,10 +255,11 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
     try {
         first = prepare_as(choice.strategy, A, B);
     } catch (const NumericalError&) {
-        if (B.rows() == 0 || !A.is_symmetric()) throw;  // nothing there that could hold it
-        return std::make_unique<PreparedAutomatic>(Choice{Strategy::schur, "A is singular or indefinite to rounding"},
-                                                   prepare_proximal(A, B), std::vector<PreparedAutomatic::Link>{},
-                                                   std::nullopt);
+        if (!A.is_symmetric() || choice.strategy == Strategy::floating || !allowed(options, Strategy::floating))
+            throw;
+        return std::make_unique<PreparedAutomatic>(Choice{Strategy::floating, "A is singular or nearly so"},
+                                                   prepare_as(Strategy::floating, A, B),
+                                                   std::vector<PreparedAutomatic::Link>{}, std::nullopt);
     }
     std::vector<PreparedAutomatic::Link> rest;
     std::optional<Record> record;
@@ -258,12 +272,14 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
         if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options, Strategy::schur))
             rest.push_back([A, B]() -> Prepared {
                 try {
-                    return SchurContact().prepare(A, B);
+                    return prepare_as(Strategy::schur, A, B);
                 } catch (const NumericalError&) {
-                    return prepare_proximal(A, B);
+                    return prepare_as(Strategy::floating, A, B);
                 }
             });
         if (iteration && !options.always && !rest.empty()) record.emplace(B.rows(), options.solves_before_factor);
+        if (choice.strategy != Strategy::floating && allowed(options, Strategy::floating))
+            rest.push_back([A, B] { return prepare_as(Strategy::floating, A, B); });
         if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
         if (choice.strategy != Strategy::interior_point && allowed(options, Strategy::interior_point) &&
             (A.main_diagonal().array() > 0).all())

@@ -16,7 +16,8 @@ enum class ContactStrategy {
     projected_cg,
     multigrid_active_set,
     interior_point,
-    schur
+    schur,
+    floating
 };
 
 struct AutomaticOptions {
@@ -39,14 +40,15 @@ struct AutomaticOptions {
 
 /// The chooser. In this order, for symmetric A:
 ///   diagonal, rows that do not overlap                -> DiagonalContact
+///   singular or nearly so (a body nothing holds)      -> FloatingContact
 ///   dense or diagonal, or few unknowns                -> DenseContact
 ///   bounds, condition up to `sweepable`               -> ColourSor (up to `sweepable_if_narrow` where A is a narrow band)
 ///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more
 ///   M-matrix and bounds, not a narrow band            -> MultigridActiveSet
 ///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint
 ///   else                                              -> SchurContact
-/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:
-/// ProximalContact around SchurContact (or OrthogonalContact).
+/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A whose factor shows that it is singular, or
+/// nearly so: FloatingContact.
 ///
 /// Rows that equal another one up to a positive factor are merged with it first (contact/merged_rows.hpp).
 /// All of them work in a numbering by waves where the caller's is as good as random (contact/renumbered.hpp).
@@ -54,8 +56,8 @@ struct AutomaticOptions {
 /// multigrid makes way for SchurContact when the same A has been asked for often and contact hardly touches new rows, and
 /// any iteration does so when it was far slower than usual, or failed, three times in a row. ContactReport::reason says why
 /// the strategy was taken.
-/// A strategy that ends without a solution is followed by SchurContact and, up to 4000 unknowns, by OrthogonalContact, which
-/// also has the last word on infeasibility, then by InteriorPoint; the report names the first and the last.
+/// A strategy that ends without a solution is followed by SchurContact, by FloatingContact and, up to 4000 unknowns, by OrthogonalContact,
+/// which also has the last word on infeasibility, then by InteriorPoint; the report names the first and the last.
 class AutomaticContact final : public ContactSolver {
 public:
     using Options = AutomaticOptions;

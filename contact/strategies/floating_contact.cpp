@@ -19,6 +19,8 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// Rows up to which the compliance of all of them is formed at once: 18 MB.
 constexpr Index few_rows = 1500;
+/// Rows beyond which there is no dense saddle: a gigabyte.
+constexpr Index most_rows = 8000;
 
 /// Rows of B in unknowns of unit stiffness, a column each.
 SparseMatrix scaled_rows(const Matrix& B, const Vector& unit) {
@@ -113,12 +115,12 @@ private:
         reach_ = free_.lpNorm<Eigen::Infinity>();
         fill_pool(c);
         for (;;) {
+            if (static_cast<Index>(pool_.size()) > most_rows) return Outcome::iteration_limit;
             const Outcome end = solve_pool(c, report);
             if (end != Outcome::converged) return end;
             if (!widen(c)) break;
         }
-        refine(c);
-        return modes_balance() ? Outcome::converged : Outcome::inaccurate;
+        return refine(c) ? Outcome::converged : Outcome::inaccurate;
     }
 
     /// The modes as the rows that are on take part in them: those without stiffness that no row touches, and the others,
@@ -174,7 +176,7 @@ private:
     /// False, with a ray, where the load drives a motion that no row takes part in.
     bool take_off_what_nothing_holds(ContactReport& report) {
         if (loose_.cols() == 0) return true;
-        const Vector size = loose_.cwiseAbs().transpose() * load_.cwiseAbs();
+        const Vector size = size_of_balance(loose_, load_);
         Vector force(loose_.cols());
         for (Index j = 0; j < loose_.cols(); ++j) force[j] = extended_dot(loose_.col(j), load_);
         if ((force.array().abs() > unbalanced * size.array()).any()) {
@@ -183,6 +185,12 @@ private:
         }
         if ((force.array() != 0).any()) load_ -= loose_ * (loose_.transpose() * loose_).llt().solve(force);
         return true;
+    }
+
+    /// The terms of R'load. Where a mode does not move what is loaded its entries there are rounding, 1e-13 of the largest.
+    static Vector size_of_balance(const DenseMatrix& R, const Vector& load) {
+        const Vector largest = R.cwiseAbs().colwise().maxCoeff().transpose();
+        return R.cwiseAbs().transpose() * load.cwiseAbs() + 1e-13 / unbalanced * load.lpNorm<1>() * largest;
     }
 
     void set_ray(ContactReport& report, const Vector& x) {
@@ -265,7 +273,7 @@ private:
     void ask(const Vector& load, Question& q) const {
         q.e.resize(R_.cols());
         for (Index j = 0; j < R_.cols(); ++j) q.e[j] = -extended_dot(R_.col(j), load);
-        q.e_size = R_.cwiseAbs().transpose() * load.cwiseAbs();
+        q.e_size = size_of_balance(R_, load);
         q.stiffness = stiffness_.array() * (stiffness_.array() + 1);
     }
 
@@ -334,64 +342,78 @@ private:
         return !fresh.empty();
     }
 
-    /// Iterative refinement on the rows in contact, from residuals in twice the precision.
-    void refine(const ConstVectorRef& c) {
-        double last = infinity;
-        for (int pass = 0; pass < 3; ++pass) {
-            Vector r;
-            ExtendedSums sums;
-            sums.start(load_);
-            sums.add(modes_.A(), false, -1, x_);
-            for (Index i = 0; i < lambda_.size(); ++i)
-                if (lambda_[i] > 0)
-                    for (SparseMatrix::InnerIterator it(rows_, i); it; ++it)
-                        sums.add(it.row(), it.value(), lambda_[i]);
-            sums.end(r);
-            const double size = r.lpNorm<Eigen::Infinity>();
-            if (!(size < 0.1 * last) || size == 0) return;
-            last = size;
-            Vector moved = r;
-            solve_stiff(moved);
-            const auto m = static_cast<Index>(pool_.size());
-            Question q;
-            ask(r, q);
-            q.g.setZero(m);
-            for (Index k = 0; k < m; ++k) {
-                const Index row = pool_[at(k)];
-                if (!(lambda_[row] > 0)) continue;
-                Vector gap;
-                sums.start(Vector::Constant(1, c[row]));
-                for (SparseMatrix::InnerIterator it(rows_, row); it; ++it) sums.add(0, -it.value(), x_[it.row()]);
-                sums.end(gap);
-                q.g[k] = scale_[k] * (gap[0] - rows_.col(row).dot(moved));
-            }
-            Vector correction, tau;
-            const SaddleActiveSet::Problem problem{S_, pool_G_, q.stiffness, q.e, q.e_size, q.g, q.allowance};
-            active_set_.solve_on_last_rows(problem, correction, tau);
-            Vector change = Vector::Zero(lambda_.size());
-            for (Index k = 0; k < m; ++k)
-                if (lambda_[pool_[at(k)]] > 0) change[pool_[at(k)]] = correction[k] * scale_[k];
-            Vector shift = r + rows_ * change;
-            modes_.solve(shift);
-            shift += R_ * tau.cwiseProduct(Vector(stiffness_.array() + 1));
-            if (!shift.allFinite()) return;
-            x_ += shift;
-            tau_ += tau;
-            lambda_ = (lambda_ + change).cwiseMax(0.0);
-        }
+    /// What is left of each force, from the data in twice the precision.
+    Vector residual() const {
+        ExtendedSums sums;
+        sums.start(load_);
+        sums.add(modes_.A(), false, -1, x_);
+        for (Index i = 0; i < lambda_.size(); ++i)
+            if (lambda_[i] > 0)
+                for (SparseMatrix::InnerIterator it(rows_, i); it; ++it) sums.add(it.row(), it.value(), lambda_[i]);
+        Vector r;
+        sums.end(r);
+        return r;
     }
 
-    /// Whether the forces along each mode cancel: a scaled residual of each entry says little about their sum.
-    bool modes_balance() const {
-        const Vector force = rows_ * lambda_;
-        for (Index j = 0; j < R_.cols(); ++j) {
-            const double spring = stiffness_[j] * (1 + stiffness_[j]) * tau_[j];
-            const double rest = extended_dot(R_.col(j), load_) + extended_dot(R_.col(j), force) - spring;
-            const auto length = R_.col(j).cwiseAbs();
-            const double size = length.dot(load_.cwiseAbs()) + length.dot(force.cwiseAbs()) + std::abs(spring);
-            if (!(std::abs(rest) <= balanced * size)) return false;
+    /// Iterative refinement on the rows in contact. Whether the forces along each mode then cancel: a residual that is small
+    /// in each entry says little about their sum.
+    bool refine(const ConstVectorRef& c) {
+        double last = infinity;
+        Vector r = residual();
+        for (int pass = 0; pass < 3; ++pass) {
+            const double size = r.lpNorm<Eigen::Infinity>();
+            const double imbalance = worst_imbalance(r);
+            if (size == 0 || (!(size < 0.1 * last) && imbalance <= 1)) break;
+            last = size;
+            correct(r, c);
+            r = residual();
         }
-        return true;
+        return worst_imbalance(r) <= 1;
+    }
+
+    /// Of the forces along each mode, in what is allowed of them.
+    double worst_imbalance(const Vector& r) const {
+        const Vector force = rows_ * lambda_;
+        const Vector sizes = size_of_balance(R_, load_) + R_.cwiseAbs().transpose() * force.cwiseAbs();
+        double worst = 0;
+        for (Index j = 0; j < R_.cols(); ++j) {
+            const double rest = std::abs(extended_dot(R_.col(j), r));
+            if (rest != 0)
+                worst = std::max(worst, rest / (balanced * (sizes[j] + stiffness_[j] * std::abs(tau_[j]))));
+        }
+        return r.allFinite() ? worst : infinity;
+    }
+
+    void correct(const Vector& r, const ConstVectorRef& c) {
+        Vector moved = r;
+        solve_stiff(moved);
+        const auto m = static_cast<Index>(pool_.size());
+        Question q;
+        ask(r, q);
+        q.g.setZero(m);
+        ExtendedSums sums;
+        for (Index k = 0; k < m; ++k) {
+            const Index row = pool_[at(k)];
+            if (!(lambda_[row] > 0)) continue;
+            Vector gap;
+            sums.start(Vector::Constant(1, c[row]));
+            for (SparseMatrix::InnerIterator it(rows_, row); it; ++it) sums.add(0, -it.value(), x_[it.row()]);
+            sums.end(gap);
+            q.g[k] = scale_[k] * (gap[0] - rows_.col(row).dot(moved));
+        }
+        Vector correction, tau;
+        const SaddleActiveSet::Problem problem{S_, pool_G_, q.stiffness, q.e, q.e_size, q.g, q.allowance};
+        active_set_.solve_on_last_rows(problem, correction, tau);
+        Vector change = Vector::Zero(lambda_.size());
+        for (Index k = 0; k < m; ++k)
+            if (lambda_[pool_[at(k)]] > 0) change[pool_[at(k)]] = correction[k] * scale_[k];
+        Vector shift = rows_ * change + r;
+        modes_.solve(shift);
+        shift += R_ * tau.cwiseProduct(Vector(stiffness_.array() + 1));
+        if (!shift.allFinite()) return;
+        x_ += shift;
+        tau_ += tau;
+        lambda_ = (lambda_ + change).cwiseMax(0.0);
     }
 
     Acceptance accept_;
