@@ -1,28 +1,16 @@
 #include "automatic.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "../lib/algebra/empty_rows.hpp"
-#include "dense/dense_contact.hpp"
-#include "dense/orthogonal_contact.hpp"
+#include "choice.hpp"
 #include "prepare/interval_contact.hpp"
-#include "prepare/matrix_facts.hpp"
 #include "prepare/merged_rows.hpp"
 #include "prepare/renumbered.hpp"
-#include "prepare/rows.hpp"
-#include "strategies/colour_sor.hpp"
-#include "strategies/diagonal_contact.hpp"
-#include "strategies/interior_point.hpp"
-#include "strategies/klu_active_set.hpp"
-#include "strategies/multigrid_active_set.hpp"
-#include "strategies/principal_pivoting.hpp"
-#include "strategies/projected_cg.hpp"
-#include "strategies/proximal_contact.hpp"
-#include "strategies/schur_contact.hpp"
+#include "strategy_table.hpp"
 
 namespace tact {
 namespace {
@@ -30,121 +18,22 @@ namespace {
 using Strategy = ContactStrategy;
 using Prepared = std::unique_ptr<PreparedContact>;
 
-constexpr Index largest_orthogonal = 4000;
-/// Rows up to which pivots on a whole tableau are cheap.
-constexpr Index largest_tableau = 500;
-/// Rows that PrincipalPivoting takes at most.
-constexpr Index largest_pivoting = 6000;
-/// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
-constexpr Index cheap_to_factor = 20000;
+Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) { return facts_of(strategy).prepare(A, B); }
 
-struct Choice {
-    Strategy strategy;
-    std::string_view reason;
-};
-
-bool allowed(const AutomaticOptions& options, Strategy strategy) {
-    return std::find(options.never.begin(), options.never.end(), strategy) == options.never.end();
-}
-
-/// Where A has no factor: what contact does not hold is found out by the proximal iteration.
-Prepared prepare_proximal(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
-    const bool orthogonal = allowed(options, Strategy::orthogonal), schur = allowed(options, Strategy::schur);
-    std::shared_ptr<const ContactSolver> inner;
-    if (orthogonal && (A.rows() <= largest_orthogonal || !schur))
-        inner = std::make_shared<OrthogonalContact>();
-    else
-        inner = std::make_shared<SchurContact>();
-    return ProximalContact(std::move(inner)).prepare(A, B);
-}
-
-Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
-    switch (strategy) {
-        case Strategy::diagonal: return DiagonalContact().prepare(A, B);
-        case Strategy::dense: return DenseContact().prepare(A, B);
-        case Strategy::klu_active_set: return KluActiveSet().prepare(A, B);
-        case Strategy::colour_sor: return ColourSor().prepare(A, B);
-        case Strategy::projected_cg: return ProjectedCg().prepare(A, B);
-        case Strategy::multigrid_active_set: return MultigridActiveSet().prepare(A, B);
-        case Strategy::interior_point: return InteriorPoint().prepare(A, B);
-        case Strategy::orthogonal: return OrthogonalContact().prepare(A, B);
-        case Strategy::principal_pivoting: return PrincipalPivoting().prepare(A, B);
-        case Strategy::proximal: return prepare_proximal(A, B, options);
-        case Strategy::schur: break;
+/// A as a diagonal matrix where it is one, however it is stored: the answer does not hang on that.
+Matrix diagonal_if_it_is_one(const Matrix& A) {
+    if (const SparseMatrix* sparse = A.sparse()) {
+        for (Index j = 0; j < sparse->cols(); ++j)
+            for (SparseMatrix::InnerIterator it(*sparse, j); it; ++it)
+                if (it.row() != j && it.value() != 0) return A;
+    } else if (const DenseMatrix* dense = A.dense()) {
+        for (Index j = 0; j < dense->cols(); ++j)
+            for (Index i = 0; i < dense->rows(); ++i)
+                if (i != j && (*dense)(i, j) != 0) return A;
+    } else {
+        return A;
     }
-    return SchurContact().prepare(A, B);
-}
-
-/// Iterations of a solve, in the strategy's own count, that are some ten times the usual ones.
-int patience(Strategy strategy) {
-    switch (strategy) {
-        case Strategy::colour_sor: return 300;
-        case Strategy::projected_cg: return 40;
-        case Strategy::multigrid_active_set: return 60;
-        default: return std::numeric_limits<int>::max();
-    }
-}
-
-/// Whether it is one of those whose count of iterations says when a factor would do better.
-bool iterates(Strategy strategy) { return patience(strategy) < std::numeric_limits<int>::max(); }
-
-struct RowShape {
-    bool bounds, disjoint;
-};
-
-RowShape shape_of(const Matrix& B) {
-    if (const Vector* diagonal = B.diagonal_entries(); diagonal && (diagonal->array() != 0).all())
-        return {true, true};
-    const ConstraintRows rows(B);
-    return {rows.bounds(), rows.disjoint()};
-}
-
-/// Whether the proximal iteration may be taken, around one of those it may use.
-bool proximal_may(const AutomaticOptions& options) {
-    return allowed(options, Strategy::proximal) &&
-           (allowed(options, Strategy::orthogonal) || allowed(options, Strategy::schur));
-}
-
-[[noreturn]] void nothing_left(const Matrix& A, const Matrix& B) {
-    throw InputError("AutomaticContact: options.never leaves no strategy for A " + A.shape() + " and B " + B.shape());
-}
-
-Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
-    const auto may = [&](Strategy strategy) { return allowed(options, strategy); };
-    if (options.always) return {*options.always, "asked for by the options"};
-    constexpr std::string_view left = "what the options leave";
-    const bool pivots = may(Strategy::principal_pivoting) && B.rows() <= largest_pivoting;
-    if (!A.is_symmetric()) {
-        if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, "A is not symmetric"};
-        if (pivots) return {Strategy::principal_pivoting, left};
-        nothing_left(A, B);
-    }
-    if (const Vector* diagonal = A.diagonal_entries();
-        diagonal && (diagonal->array() > 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
-        return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
-    if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
-        return {Strategy::dense, "small or dense"};
-    const RowShape rows = shape_of(B);
-    const MatrixFacts facts = matrix_facts(A);
-    const bool sor = rows.bounds && may(Strategy::colour_sor);
-    const bool cg = rows.disjoint && A.rows() > cheap_to_factor && may(Strategy::projected_cg);
-    if (sor && facts.well_conditioned(A, facts.narrow ? options.sweepable_if_narrow : options.sweepable))
-        return {Strategy::colour_sor, "well-conditioned A, bounds"};
-    if (cg && facts.well_conditioned(A, options.well_conditioned))
-        return {Strategy::projected_cg, "well-conditioned A, rows that do not overlap"};
-    if (B.rows() > 0 && rows.bounds && facts.m_matrix && facts.positive_diagonal && !facts.narrow &&
-        may(Strategy::multigrid_active_set))
-        return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
-    if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
-        may(Strategy::interior_point))
-        return {Strategy::interior_point, "many rows that overlap"};
-    if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};
-    if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, left};
-    if (may(Strategy::interior_point) && facts.positive_diagonal) return {Strategy::interior_point, left};
-    if (may(Strategy::orthogonal) && A.rows() <= largest_orthogonal) return {Strategy::orthogonal, left};
-    if (pivots) return {Strategy::principal_pivoting, left};
-    if (proximal_may(options)) return {Strategy::proximal, left};
-    nothing_left(A, B);
+    return Matrix::diagonal(A.main_diagonal());
 }
 
 /// Counts what a strategy does, and says when another one would do better.
@@ -156,7 +45,7 @@ public:
 
     /// After a solve by this strategy, settled or not: why to change to the factor, or nothing.
     std::string_view change(Strategy strategy, bool settled, const ContactReport& report, const VectorRef& lambda) {
-        tired_ = settled && report.iterations <= patience(strategy) ? 0 : tired_ + 1;
+        tired_ = settled && report.iterations <= facts_of(strategy).patience ? 0 : tired_ + 1;
         if (tired_ == 3) return "the iteration before it was slow or failed three times in a row";
         if (strategy != Strategy::multigrid_active_set) return {};
         int fresh = 0;
@@ -187,18 +76,33 @@ private:
 /// first needed.
 class PreparedAutomatic final : public PreparedContact {
 public:
-    using Link = std::function<Prepared()>;
-    struct Fallback {
-        Link prepare;
-        Prepared prepared;
+    struct Follower {
+        Strategy strategy;
+        Prepared prepared = nullptr;
     };
 
-    PreparedAutomatic(Choice choice, Prepared first, std::vector<Link> rest, std::optional<Record> record)
-        : choice_(choice), current_(std::move(first)), record_(std::move(record)) {
-        for (Link& link : rest) rest_.push_back({std::move(link), nullptr});
+    PreparedAutomatic(const Matrix& A, const Matrix& B, StrategyChoice choice, Prepared first,
+                      const std::vector<Strategy>& rest, std::optional<Record> record)
+        : A_(A), B_(B), choice_(choice), current_(std::move(first)), record_(std::move(record)) {
+        for (const Strategy strategy : rest) rest_.push_back({strategy});
     }
 
     bool reads_guess() const override { return current_->reads_guess(); }
+
+    /// The choice stays, and the strategy in use is prepared anew where it cannot be updated.
+    bool update(const Matrix& A) override {
+        if (!can_stay(A)) return false;
+        try {
+            if (!current_->update(A)) current_ = prepare_as(choice_.strategy, A, B_);
+        } catch (const InputError&) {
+            return false;
+        } catch (const NumericalError&) {
+            return false;
+        }
+        A_ = A;
+        for (Follower& follower : rest_) follower.prepared.reset();
+        return true;
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         if (!change_.empty()) change_to_factor();
@@ -208,7 +112,7 @@ public:
              ++next) {
             Vector u = point.u, lambda = point.lambda;
             ContactReport end;
-            if (!try_link(rest_[next], b, c, {u, lambda}, end)) continue;
+            if (!try_follower(rest_[next], b, c, {u, lambda}, end)) continue;
             const bool last_word = certified(end);
             if (standing(end) >= standing(report)) {
                 if (!report.strategy.empty()) {
@@ -248,11 +152,11 @@ private:
         return report;
     }
     /// false where A is too near singular for this one.
-    static bool try_link(Fallback& link, const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point,
-                         ContactReport& report) {
+    bool try_follower(Follower& follower, const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point,
+                      ContactReport& report) const {
         try {
-            if (!link.prepared) link.prepared = link.prepare();
-            report = link.prepared->solve(b, c, point);
+            if (!follower.prepared) follower.prepared = prepare_as(follower.strategy, A_, B_);
+            report = follower.prepared->solve(b, c, point);
         } catch (const NumericalError&) {
             return false;
         }
@@ -271,80 +175,64 @@ private:
         return report.outcome == Outcome::infeasible ? 1 : 0;
     }
 
-    /// The first fall-back is the factor: it becomes the strategy in use.
+    /// The first that follows and has a factor of A becomes the strategy in use.
     void change_to_factor() {
-        Fallback& factor = rest_.front();
-        current_ = factor.prepared ? std::move(factor.prepared) : factor.prepare();
-        rest_.erase(rest_.begin());
-        choice_ = {Strategy::schur, std::exchange(change_, {})};
+        const std::string_view reason = std::exchange(change_, {});
         record_.reset();
+        while (!rest_.empty()) {
+            Follower next = std::move(rest_.front());
+            rest_.erase(rest_.begin());
+            try {
+                current_ = next.prepared ? std::move(next.prepared) : prepare_as(next.strategy, A_, B_);
+                choice_ = {next.strategy, reason};
+                return;
+            } catch (const NumericalError&) {}
+        }
     }
 
-    Choice choice_;
+    /// Whether what was chosen and what follows it take A too.
+    bool can_stay(const Matrix& A) const {
+        const bool same_kind = !A_.sparse() == !A.sparse() && !A_.dense() == !A.dense();
+        return same_kind && A.rows() == A_.rows() && A.cols() == A_.cols() && A.all_finite() &&
+               A.is_symmetric() == A_.is_symmetric();
+    }
+
+    Matrix A_, B_;
+    StrategyChoice choice_;
     std::string broken_;
     Prepared current_;
-    std::vector<Fallback> rest_;
+    std::vector<Follower> rest_;
     std::string_view change_;       // why the next solve is the factor's, or nothing
     std::optional<Record> record_;  // nothing once the choice is final
 };
 
-/// Those that follow the chosen one, sturdier ones later.
-std::vector<PreparedAutomatic::Link> followers(Strategy first, const Matrix& A, const Matrix& B,
-                                               const AutomaticOptions& options) {
-    std::vector<PreparedAutomatic::Link> rest;
-    const auto add = [&](Strategy strategy) {
-        if (strategy != first && allowed(options, strategy))
-            rest.push_back([strategy, A, B, options] { return prepare_as(strategy, A, B, options); });
-    };
-    if (!A.is_symmetric()) {
-        if (B.rows() > 0 && B.rows() <= largest_orthogonal) add(Strategy::principal_pivoting);
-        return rest;
-    }
-    const bool medium = A.rows() <= largest_orthogonal;
-    if (first != Strategy::schur && (iterates(first) || !medium) && allowed(options, Strategy::schur))
-        rest.push_back([A, B, options]() -> Prepared {
-            try {
-                return SchurContact().prepare(A, B);
-            } catch (const NumericalError&) {
-                if (!proximal_may(options)) throw;
-                return prepare_proximal(A, B, options);
-            }
-        });
-    if (medium) add(Strategy::orthogonal);
-    if ((A.main_diagonal().array() > 0).all()) add(Strategy::interior_point);
-    if (medium && B.rows() > 0 && B.rows() <= largest_tableau) add(Strategy::principal_pivoting);
-    // Without SchurContact nobody else finds out that A has no factor.
-    if (!allowed(options, Strategy::schur) && B.rows() > 0 && proximal_may(options)) add(Strategy::proximal);
-    return rest;
-}
-
 /// The strategy chosen for A and B, and those that follow it.
 Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
-    const Choice choice = first_choice(A, B, options);
-    if (options.always)
-        return std::make_unique<PreparedAutomatic>(choice, prepare_as(choice.strategy, A, B, options),
-                                                   std::vector<PreparedAutomatic::Link>{}, std::nullopt);
+    StrategyChoice choice = first_choice(A, B, options);
     Prepared first;
     try {
-        first = prepare_as(choice.strategy, A, B, options);
+        first = prepare_as(choice.strategy, A, B);
     } catch (const NumericalError&) {
-        if (B.rows() == 0 || !A.is_symmetric() || !proximal_may(options)) throw;  // nothing there that could hold it
-        return std::make_unique<PreparedAutomatic>(
-            Choice{Strategy::proximal, "A is singular or indefinite to rounding"}, prepare_proximal(A, B, options),
-            std::vector<PreparedAutomatic::Link>{}, std::nullopt);
+        if (options.always || !A.is_symmetric() || choice.strategy == Strategy::floating ||
+            !allowed(options, Strategy::floating))
+            throw;
+        choice = {Strategy::floating, "A is singular or nearly so"};
+        return std::make_unique<PreparedAutomatic>(A, B, choice, prepare_as(choice.strategy, A, B),
+                                                   std::vector<Strategy>{}, std::nullopt);
     }
-    std::vector<PreparedAutomatic::Link> rest = followers(choice.strategy, A, B, options);
+    const std::vector<Strategy> rest = followers(choice.strategy, A, B, options);
     std::optional<Record> record;
-    if (iterates(choice.strategy) && allowed(options, Strategy::schur) && !rest.empty())
+    if (facts_of(choice.strategy).patience > 0 && !rest.empty() && rest.front() == Strategy::schur)
         record.emplace(B.rows(), options.solves_before_factor);
-    return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
+    return std::make_unique<PreparedAutomatic>(A, B, choice, std::move(first), rest, std::move(record));
 }
 
 }  // namespace
 
-std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A, const Matrix& B) const {
-    check_contact_matrices("AutomaticContact", A, B);
-    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
+std::unique_ptr<PreparedContact> AutomaticContact::prepare(const Matrix& A_as_stored, const Matrix& B) const {
+    check_contact_matrices("AutomaticContact", A_as_stored, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A_as_stored, B);
+    const Matrix A = options_.always ? A_as_stored : diagonal_if_it_is_one(A_as_stored);
     return prepare_merged(A, B, [&](const Matrix&, const Matrix& rows) {
         return prepare_renumbered(A, rows, [&](const Matrix& A_renumbered, const Matrix& B_renumbered) {
             return prepare_chosen(A_renumbered, B_renumbered, options_);

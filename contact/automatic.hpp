@@ -19,7 +19,7 @@ enum class ContactStrategy {
     schur,
     orthogonal,
     principal_pivoting,
-    proximal  ///< around the first of orthogonal (up to 4000 unknowns) and schur that is allowed
+    floating
 };
 
 struct AutomaticOptions {
@@ -44,24 +44,26 @@ struct AutomaticOptions {
 
 /// The chooser. In this order, for symmetric A:
 ///   diagonal, rows that do not overlap                -> DiagonalContact
+///   singular or nearly so (a body nothing holds)      -> FloatingContact
 ///   dense or diagonal, or few unknowns                -> DenseContact
 ///   bounds, condition up to `sweepable`               -> ColourSor (up to `sweepable_if_narrow` where A is a narrow band)
 ///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more
 ///   M-matrix and bounds, not a narrow band            -> MultigridActiveSet
 ///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint
 ///   else                                              -> SchurContact
-/// or, where the options forbid it, KluActiveSet, InteriorPoint, OrthogonalContact, PrincipalPivoting, ProximalContact;
-/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A that is singular or indefinite to rounding:
-/// ProximalContact around SchurContact (or OrthogonalContact).
+/// or, where the options forbid it, KluActiveSet, InteriorPoint, OrthogonalContact, PrincipalPivoting, FloatingContact;
+/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A whose factor shows that it is singular, or nearly so:
+/// FloatingContact.
 ///
-/// Rows that equal another one up to a positive factor are merged with it first (contact/merged_rows.hpp).
-/// All of them work in a numbering by waves where the caller's is as good as random (contact/renumbered.hpp).
+/// Rows that equal another one up to a positive factor are merged with it first (contact/prepare/merged_rows.hpp).
+/// All of them work in a numbering by waves where the caller's is as good as random (contact/prepare/renumbered.hpp).
 /// The choice is looked at again after every solve, on counts only, so that a run can be repeated to the last bit:
 /// multigrid makes way for SchurContact when the same A has been asked for often and contact hardly touches new rows, and
 /// any iteration does so when it was far slower than usual, or failed, three times in a row. ContactReport::reason says why
 /// the strategy was taken.
-/// A strategy that ends without a solution is followed by SchurContact and, up to 4000 unknowns, by OrthogonalContact, which
-/// also has the last word on infeasibility, then by InteriorPoint; the report names the first and the last.
+/// A strategy that ends without a solution is followed by SchurContact, by FloatingContact and, up to 4000 unknowns, by
+/// OrthogonalContact, which also has the last word on infeasibility, then by InteriorPoint; the report names the first and the
+/// last. Rows with two intervals go through IntervalContact (contact/prepare/interval_contact.hpp).
 class AutomaticContact final : public ContactSolver {
 public:
     using Options = AutomaticOptions;

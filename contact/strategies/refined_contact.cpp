@@ -5,52 +5,10 @@
 #include <utility>
 
 #include "../../lib/algebra/empty_rows.hpp"
+#include "../../lib/algebra/extended_sums.hpp"
 
 namespace tact {
 namespace {
-
-/// Sums of products in twice the working precision (T. Ogita, S. Rump, S. Oishi, SIAM J. Sci. Comput. 26, 2005: Dot2).
-class ExtendedSums {
-public:
-    void start(const ConstVectorRef& x) {
-        high_ = x;
-        low_.setZero(x.size());
-    }
-    /// y += sign A x, or A' x.
-    void add(const Matrix& A, bool transposed, double sign, const ConstVectorRef& x) {
-        const auto term = [&](Index i, Index j, double a) {
-            if (transposed) std::swap(i, j);
-            add(i, sign * a, x[j]);
-        };
-        if (const Vector* diagonal = A.diagonal_entries()) {
-            for (Index i = 0; i < diagonal->size(); ++i) term(i, i, (*diagonal)[i]);
-        } else if (const DenseMatrix* dense = A.dense()) {
-            for (Index j = 0; j < dense->cols(); ++j)
-                for (Index i = 0; i < dense->rows(); ++i) term(i, j, (*dense)(i, j));
-        } else {
-            const SparseMatrix& sparse = *A.sparse();
-            for (Index j = 0; j < sparse.outerSize(); ++j)
-                for (SparseMatrix::InnerIterator entry(sparse, j); entry; ++entry)
-                    term(entry.row(), j, entry.value());
-        }
-    }
-    /// Rounded once.
-    void end(Vector& y) const { y = high_ + low_; }
-
-private:
-    void add(Index i, double a, double x) {
-        const double product = a * x, lost = std::fma(a, x, -product);
-        const double before = high_[i], sum = before + product;
-        if (!std::isfinite(sum)) {  // a row that is switched off
-            high_[i] = sum;
-            return;
-        }
-        const double taken = sum - before;
-        high_[i] = sum;
-        low_[i] += lost + ((before - (sum - taken)) + (product - taken));
-    }
-    Vector high_, low_;
-};
 
 class PreparedRefined final : public PreparedContact {
 public:

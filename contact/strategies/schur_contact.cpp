@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <random>
 #include <utility>
 
 #include "../../lib/algebra/empty_rows.hpp"
@@ -95,7 +97,9 @@ public:
           gap_(B.rows()),
           free_gap_(B.rows()),
           allowance_(B.rows()),
-          lambda_(B.rows()) {}
+          lambda_(B.rows()) {
+        if (options.least_stiffness > 0) check_stiffness(A, options.least_stiffness);
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
@@ -140,6 +144,23 @@ private:
     static constexpr std::size_t few = 8;  ///< rows that are taken at once when nothing is known yet
     /// Of the row's own |c_i| + |B_i||u|: two digits above the rounding of a solve.
     static constexpr double gap_tolerance = 2e-14;
+
+    /// Two steps of inverse iteration from numbers that are the same everywhere.
+    void check_stiffness(const Matrix& A, double least) const {
+        const Vector diagonal = A.main_diagonal();
+        std::mt19937_64 random(1);
+        Vector x(A.rows());
+        for (double& entry : x) entry = static_cast<double>(static_cast<std::int64_t>(random())) * 0x1p-63;
+        x = diagonal.cwiseSqrt().cwiseProduct(x);
+        for (int step = 0; step < 2; ++step) {
+            const Vector force = x / x.lpNorm<Eigen::Infinity>();
+            x = force;
+            factor_->solve(x);
+            const double stiffness = x.dot(force) / diagonal.dot(x.cwiseAbs2());
+            if (stiffness < least) throw NumericalError("SchurContact: A is " + A.shape() + " and nearly singular");
+            x = diagonal.cwiseProduct(x);
+        }
+    }
 
     /// gap = B u; whether no row is violated by more than it is allowed, given the row and |B_i||u|.
     template <class Allowed>

@@ -16,6 +16,8 @@ struct SchurOptions {
     /// Of the pool, 8 bytes for each pair of its rows (half as much again is taken to work with): beyond it the rows that are not in contact are forgotten. Rows
     /// in contact are kept whatever they take.
     std::size_t pool_bytes = std::size_t{256} << 20;
+    /// NumericalError from prepare where a direction of A, scaled to unit diagonal, is softer than this: there A^-1 b cancels.
+    double least_stiffness = 0;
 };
 
 class SchurContact final : public ContactSolver {

@@ -114,4 +114,23 @@ Matrix renumbered(const SparseMatrix& A, const std::vector<int>& order) {
     return transposed.is_symmetric(0) ? transposed : Matrix(SparseMatrix(transposed.sparse()->transpose()));
 }
 
+Index unknowns_of_a_node(const SparseMatrix& A) {
+    constexpr double full = 0.55;
+    const Index n = A.cols();
+    std::vector<Index> seen;
+    for (Index size = 6; size > 1; --size) {
+        if (n % size != 0) continue;
+        seen.assign(static_cast<std::size_t>(n / size), -1);
+        Index blocks = 0;
+        for (Index j = 0; j < n; ++j)
+            for (auto k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
+                Index& last = seen[static_cast<std::size_t>(A.innerIndexPtr()[k] / size)];
+                blocks += last != j / size;
+                last = j / size;
+            }
+        if (static_cast<double>(A.nonZeros()) > full * static_cast<double>(blocks * size * size)) return size;
+    }
+    return 1;
+}
+
 }  // namespace tact

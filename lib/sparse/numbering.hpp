@@ -24,4 +24,8 @@ std::vector<int> inverse_of(const std::vector<int>& order);
 /// A(order, order), columns sorted; A square.
 Matrix renumbered(const SparseMatrix& A, const std::vector<int>& order);
 
+/// Unknowns of one node, where A's numbering has them together, else 1: the largest block size whose blocks are mostly full. On a
+/// regular mesh of bricks symmetry empties 37 % of the 3 x 3 blocks; a scalar mesh read by pairs has them half empty.
+Index unknowns_of_a_node(const SparseMatrix& A);
+
 }  // namespace tact
