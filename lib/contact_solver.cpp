@@ -27,6 +27,8 @@ void check_contact_matrices(std::string_view solver, const Matrix& A, const Matr
                              " has a NaN or infinite entry, expected finite entries");
 }
 
+bool PreparedContact::update(const Matrix&) { return false; }
+
 namespace {
 
 class PreparedLinear final : public PreparedContact {

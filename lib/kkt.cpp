@@ -229,10 +229,10 @@ void set_stationarity(KktResiduals& kkt, const Largest& residual, const Largest&
     kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
 }
 
-/// |A u - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`.
+/// |A u + r - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`. No r: nullptr.
 template <class AddForces>
 void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b, const ConstVectorRef& u,
-                       AddForces add_forces) {
+                       const double* r, AddForces add_forces) {
     alignas(64) Buffer sum, size;
     Largest residual, force_scale;
     for_each_block(A.size(), [&](Index block, Index first, Index count) {
@@ -240,6 +240,11 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
             sum[i] = -b[first + i];
             size[i] = std::abs(b[first + i]);
         }
+        if (r)
+            for (Index i = 0; i < count; ++i) {
+                sum[i] += r[first + i];
+                size[i] += std::abs(r[first + i]);
+            }
         A.add(block, count, 1, u.data(), sum, size);
         add_forces(block, count, sum, size);
         residual.take(sum, count);
@@ -291,17 +296,27 @@ void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, cons
 
 KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
                                         const ConstVectorRef& lambda) const {
+    return evaluate(b, c, u, lambda, nullptr);
+}
+
+KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                                        const ConstVectorRef& lambda, const ConstVectorRef& r) const {
+    return evaluate(b, c, u, lambda, r.data());
+}
+
+KktResiduals KktCertificate::evaluate(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                                      const ConstVectorRef& lambda, const double* r) const {
     Work& w = *work_;
     KktResiduals kkt;
     Range gap, gap_scale, multiplier;
     multiplier.take(lambda.data(), lambda.size());
     const bool touching = multiplier.largest() != 0;
-    if (const Vector* diagonal = w.A.diagonal(); diagonal && !touching) {
+    if (const Vector* diagonal = w.A.diagonal(); diagonal && !touching && !r) {
         Largest residual, force_scale;
         take_diagonal(u.size(), diagonal->data(), u.data(), b.data(), {}, residual, force_scale);
         set_stationarity(kkt, residual, force_scale);
     } else {
-        take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+        take_stationarity(kkt, w.A, b, u, r, [&](Index block, Index count, double* sum, double* size) {
             if (touching) w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
         });
     }
@@ -346,7 +361,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
         take_diagonal(d->size(), d->data(), u.data(), b.data(), w.forces, residual, force_scale);
         set_stationarity(kkt, residual, force_scale);
     } else {
-        take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+        take_stationarity(kkt, w.A, b, u, nullptr, [&](Index block, Index count, double* sum, double* size) {
             w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
         });
     }

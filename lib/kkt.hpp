@@ -56,6 +56,11 @@ public:
     KktResiduals operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
                             const ConstVectorRef& lambda) const;
 
+    /// The same of  A u + r = b + B'lambda  for a force r that has been evaluated at u:
+    ///   stationarity     |Au + r - b - B'lambda| / (|A||u| + |r| + |b| + |B'||lambda|)
+    KktResiduals operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                            const ConstVectorRef& lambda, const ConstVectorRef& r) const;
+
     /// The same where only the listed rows are in question: the caller has proven the others open, and they carry no
     /// multiplier. Their entries of c and lambda are not read, and the gaps' scale is that of the listed rows, which makes
     /// residuals larger at most. For a dense B; InputError for another.
@@ -64,6 +69,8 @@ public:
 
 private:
     struct Work;
+    KktResiduals evaluate(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                          const ConstVectorRef& lambda, const double* r) const;
     std::unique_ptr<Work> work_;
 };
 
