@@ -151,15 +151,31 @@ private:
 /// first needed.
 class PreparedAutomatic final : public PreparedContact {
 public:
-    using Link = std::function<Prepared()>;
+    using Link = std::function<Prepared(const Matrix& A, const Matrix& B)>;
     struct Fallback {
         Link prepare;
         Prepared prepared;
     };
 
-    PreparedAutomatic(Choice choice, Prepared first, std::vector<Link> rest, std::optional<Record> record)
-        : choice_(choice), current_(std::move(first)), record_(std::move(record)) {
+    PreparedAutomatic(const Matrix& A, const Matrix& B, Choice choice, Prepared first, std::vector<Link> rest,
+                      std::optional<Record> record, bool proximal = false)
+        : A_(A), B_(B), choice_(choice), current_(std::move(first)), proximal_(proximal), record_(std::move(record)) {
         for (Link& link : rest) rest_.push_back({std::move(link), nullptr});
+    }
+
+    /// The choice stays, and the strategy in use is prepared anew where it cannot be updated.
+    bool update(const Matrix& A) override {
+        if (!can_stay(A)) return false;
+        try {
+            if (!current_->update(A)) current_ = prepare_as(choice_.strategy, A, B_);
+        } catch (const InputError&) {
+            return false;
+        } catch (const NumericalError&) {
+            return false;
+        }
+        A_ = A;
+        for (Fallback& link : rest_) link.prepared.reset();
+        return true;
     }
 
     bool reads_guess() const override { return current_->reads_guess(); }
@@ -173,7 +189,7 @@ public:
              ++next) {
             Vector u = point.u, lambda = point.lambda;
             ContactReport end;
-            if (!try_link(rest_[next], b, c, {u, lambda}, end)) continue;
+            if (!try_link(rest_[next], A_, B_, b, c, {u, lambda}, end)) continue;
             const bool last_word = certified(end);
             if (standing(end) >= standing(report)) {
                 end.fallback = end.fallback.empty() ? end.strategy : end.fallback;
@@ -196,10 +212,10 @@ public:
 private:
     static constexpr double sharp = 1e-12;
     /// false where A is too near singular for this one.
-    static bool try_link(Fallback& link, const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point,
-                         ContactReport& report) {
+    static bool try_link(Fallback& link, const Matrix& A, const Matrix& B, const ConstVectorRef& b,
+                         const ConstVectorRef& c, ContactPoint point, ContactReport& report) {
         try {
-            if (!link.prepared) link.prepared = link.prepare();
+            if (!link.prepared) link.prepared = link.prepare(A, B);
             report = link.prepared->solve(b, c, point);
         } catch (const NumericalError&) {
             return false;
@@ -222,14 +238,23 @@ private:
     /// The first fall-back is the factor: it becomes the strategy in use.
     void change_to_factor() {
         Fallback& factor = rest_.front();
-        current_ = factor.prepared ? std::move(factor.prepared) : factor.prepare();
+        current_ = factor.prepared ? std::move(factor.prepared) : factor.prepare(A_, B_);
         rest_.erase(rest_.begin());
         choice_ = {Strategy::schur, std::exchange(change_, {})};
         record_.reset();
     }
 
+    /// Whether what was chosen and what follows it take A too.
+    bool can_stay(const Matrix& A) const {
+        const bool same_kind = !A_.sparse() == !A.sparse() && !A_.dense() == !A.dense();
+        return !proximal_ && same_kind && A.rows() == A_.rows() && A.cols() == A_.cols() && A.all_finite() &&
+               A.is_symmetric() == A_.is_symmetric();
+    }
+
+    Matrix A_, B_;
     Choice choice_;
     Prepared current_;
+    bool proximal_;  // no factor of A is known: the choice is none
     std::vector<Fallback> rest_;
     std::string_view change_;       // why the next solve is the factor's, or nothing
     std::optional<Record> record_;  // nothing once the choice is final
@@ -243,35 +268,36 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
         first = prepare_as(choice.strategy, A, B);
     } catch (const NumericalError&) {
         if (B.rows() == 0 || !A.is_symmetric()) throw;  // nothing there that could hold it
-        return std::make_unique<PreparedAutomatic>(Choice{Strategy::schur, "A is singular or indefinite to rounding"},
-                                                   prepare_proximal(A, B), std::vector<PreparedAutomatic::Link>{},
-                                                   std::nullopt);
+        return std::make_unique<PreparedAutomatic>(
+            A, B, Choice{Strategy::schur, "A is singular or indefinite to rounding"}, prepare_proximal(A, B),
+            std::vector<PreparedAutomatic::Link>{}, std::nullopt, true);
     }
     std::vector<PreparedAutomatic::Link> rest;
     std::optional<Record> record;
     if (!A.is_symmetric()) {
         if (B.rows() > 0 && B.rows() <= largest_orthogonal)
-            rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
+            rest.push_back([](const Matrix& S, const Matrix& rows) { return PrincipalPivoting().prepare(S, rows); });
     } else {
         const bool medium = A.rows() <= largest_orthogonal;
         const bool iteration = patience(choice.strategy) < std::numeric_limits<int>::max();
         if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options, Strategy::schur))
-            rest.push_back([A, B]() -> Prepared {
+            rest.push_back([](const Matrix& S, const Matrix& rows) -> Prepared {
                 try {
-                    return SchurContact().prepare(A, B);
+                    return SchurContact().prepare(S, rows);
                 } catch (const NumericalError&) {
-                    return prepare_proximal(A, B);
+                    return prepare_proximal(S, rows);
                 }
             });
         if (iteration && !options.always && !rest.empty()) record.emplace(B.rows(), options.solves_before_factor);
-        if (medium) rest.push_back([A, B] { return OrthogonalContact().prepare(A, B); });
+        if (medium)
+            rest.push_back([](const Matrix& S, const Matrix& rows) { return OrthogonalContact().prepare(S, rows); });
         if (choice.strategy != Strategy::interior_point && allowed(options, Strategy::interior_point) &&
             (A.main_diagonal().array() > 0).all())
-            rest.push_back([A, B] { return InteriorPoint().prepare(A, B); });
+            rest.push_back([](const Matrix& S, const Matrix& rows) { return InteriorPoint().prepare(S, rows); });
         if (medium && B.rows() > 0 && B.rows() <= largest_tableau)
-            rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
+            rest.push_back([](const Matrix& S, const Matrix& rows) { return PrincipalPivoting().prepare(S, rows); });
     }
-    return std::make_unique<PreparedAutomatic>(choice, std::move(first), std::move(rest), std::move(record));
+    return std::make_unique<PreparedAutomatic>(A, B, choice, std::move(first), std::move(rest), std::move(record));
 }
 
 }  // namespace

@@ -11,19 +11,16 @@ namespace {
 class PreparedDiagonal final : public PreparedContact {
 public:
     PreparedDiagonal(const Matrix& A, const Matrix& B, ConstraintRows rows)
-        : certificate_(A, B),
-          rows_(std::move(rows)),
-          inverse_(A.diagonal_entries()->cwiseInverse()),
-          compliance_(rows_.rows()),
-          u_(A.rows()),
-          lambda_(rows_.rows()) {
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            double sum = 0;
-            const auto columns = rows_.columns(i);
-            const auto weights = rows_.weights(i);
-            for (std::size_t k = 0; k < columns.size(); ++k) sum += weights[k] * weights[k] * inverse_[columns[k]];
-            compliance_[i] = sum;
-        }
+        : B_(B), certificate_(A, B), rows_(std::move(rows)), u_(A.rows()), lambda_(rows_.rows()) {
+        take(*A.diagonal_entries());
+    }
+
+    bool update(const Matrix& A) override {
+        const Vector* diagonal = A.diagonal_entries();
+        if (!diagonal || diagonal->size() != u_.size() || !(diagonal->array() > 0).all()) return false;
+        certificate_ = KktCertificate(A, B_);
+        take(*diagonal);
+        return true;
     }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -53,7 +50,20 @@ public:
     }
 
 private:
+    void take(const Vector& diagonal) {
+        inverse_ = diagonal.cwiseInverse();
+        compliance_.resize(rows_.rows());
+        for (Index i = 0; i < rows_.rows(); ++i) {
+            double sum = 0;
+            const auto columns = rows_.columns(i);
+            const auto weights = rows_.weights(i);
+            for (std::size_t k = 0; k < columns.size(); ++k) sum += weights[k] * weights[k] * inverse_[columns[k]];
+            compliance_[i] = sum;
+        }
+    }
+
     static constexpr double acceptable = 1e-10;
+    Matrix B_;
     KktCertificate certificate_;
     ConstraintRows rows_;
     Vector inverse_, compliance_, u_, lambda_;

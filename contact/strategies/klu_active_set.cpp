@@ -33,6 +33,18 @@ public:
 
     Index size() const { return klu_.matrix().rows(); }
 
+    /// Other numbers; false, and nothing done, if the pattern is another one.
+    bool take(const SparseMatrix& A) {
+        const SparseMatrix by_row(A.transpose());
+        const auto same = [](const auto* a, const auto* b, Index count) { return std::equal(a, a + count, b); };
+        if (by_row.rows() != n_ || by_row.nonZeros() != by_row_.nonZeros() ||
+            !same(by_row.outerIndexPtr(), by_row_.outerIndexPtr(), n_ + 1) ||
+            !same(by_row.innerIndexPtr(), by_row_.innerIndexPtr(), by_row.nonZeros()))
+            return false;
+        by_row_ = by_row;
+        return true;
+    }
+
     /// Fills in the values of this set and refactors; false if singular.
     bool factor(const std::vector<char>& active) {
         SparseMatrix& S = klu_.matrix();
@@ -199,13 +211,26 @@ Vector unit_rows(const SparseMatrix& B) {
 class PreparedKlu final : public PreparedContact {
 public:
     PreparedKlu(const Matrix& A, const Matrix& B)
-        : accept_(A, B),
+        : given_B_(B),
+          accept_(A, B),
           unit_(A.main_diagonal().unaryExpr(&unit_of)),
           B_(B.to_sparse() * unit_.asDiagonal()),
           row_unit_(unit_rows(B_)),
           rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
           system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
           active_(static_cast<std::size_t>(B.rows()), 0) {}
+
+    /// In the units of the first A, while the new one's are within a factor of 16.
+    bool update(const Matrix& A) override {
+        if (A.rows() != unit_.size() || A.cols() != unit_.size()) return false;
+        check_no_negative_diagonal("KluActiveSet", A);
+        const Vector change = A.main_diagonal().unaryExpr(&unit_of).cwiseQuotient(unit_);
+        if (!(change.minCoeff() >= 1.0 / 16 && change.maxCoeff() <= 16)) return false;
+        if (!system_.take(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal())) return false;
+        accept_ = Acceptance(A, given_B_);
+        factored_.reset();
+        return true;
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
@@ -273,6 +298,7 @@ private:
         return hash;
     }
 
+    Matrix given_B_;
     Acceptance accept_;
     Vector unit_;
     SparseMatrix B_;  // in these units

@@ -18,7 +18,7 @@ namespace {
 class Pool {
 public:
     Pool(const Factor& factor, const ConstraintRows& rows, std::size_t bytes)
-        : factor_(factor),
+        : factor_(&factor),
           rows_(rows),
           largest_(static_cast<Index>(std::sqrt(static_cast<double>(bytes) / sizeof(double)))) {
         place_.assign(static_cast<std::size_t>(rows.rows()), -1);
@@ -38,8 +38,13 @@ public:
             members_.push_back(row);
         }
         reserve();
-        factor_.compliance(columns(), old, S_);
-        for (Index j = old; j < size(); ++j) S_.row(j).head(j) = S_.col(j).head(j).transpose();
+        form(old);
+    }
+
+    /// The members stay, their compliance is that of another factor.
+    void change(const Factor& factor) {
+        factor_ = &factor;
+        if (size() > 0) form(0);
     }
 
     /// Forgets all rows but those given; their mutual compliance is kept.
@@ -57,9 +62,13 @@ public:
     }
 
 private:
+    void form(Index from) {
+        factor_->compliance(columns(), from, S_);
+        for (Index j = from; j < size(); ++j) S_.row(j).head(j) = S_.col(j).head(j).transpose();
+    }
     /// The members' rows of B as columns.
     SparseMatrix columns() const {
-        SparseMatrix R(factor_.size(), size());
+        SparseMatrix R(factor_->size(), size());
         for (Index j = 0; j < size(); ++j) {
             const Index row = members_[static_cast<std::size_t>(j)];
             R.startVec(j);
@@ -74,7 +83,7 @@ private:
         const Index capacity = std::max(size(), std::min(largest_, std::max<Index>(64, size() + size() / 2)));
         S_.conservativeResize(capacity, capacity);
     }
-    const Factor& factor_;
+    const Factor* factor_;
     const ConstraintRows& rows_;
     Index largest_;
     std::vector<Index> members_, place_;
@@ -83,8 +92,10 @@ private:
 
 class PreparedSchur final : public PreparedContact {
 public:
-    PreparedSchur(const Matrix& A, const Matrix& B, const LinearSolver& linear, SchurOptions options)
-        : factor_(linear.factorize(A)),
+    PreparedSchur(const Matrix& A, const Matrix& B, std::shared_ptr<const LinearSolver> linear, SchurOptions options)
+        : linear_(std::move(linear)),
+          factor_(linear_->factorize(A)),
+          B_(B),
           accept_(A, B),
           rows_(B),
           runs_(B.to_sparse().transpose()),
@@ -94,7 +105,21 @@ public:
           gap_(B.rows()),
           free_gap_(B.rows()),
           allowance_(B.rows()),
-          lambda_(B.rows()) {}
+          lambda_(Vector::Zero(B.rows())) {}
+
+    /// Of the pool only what was in contact last is formed anew.
+    bool update(const Matrix& A) override {
+        if (A.rows() != u_.size() || A.cols() != u_.size() || !A.is_symmetric()) return false;
+        auto factor = factor_->refactorized(A);
+        if (!factor) factor = linear_->factorize(A);
+        accept_ = Acceptance(A, B_);
+        load_.resize(0);
+        forget(lambda_);
+        factored_pool_ = false;
+        pool_.change(*factor);
+        factor_ = std::move(factor);
+        return true;
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
@@ -306,7 +331,9 @@ private:
         active_set_.forget();
     }
 
+    std::shared_ptr<const LinearSolver> linear_;
     std::unique_ptr<const Factor> factor_;
+    Matrix B_;
     Acceptance accept_;
     ConstraintRows rows_;
     RowRuns runs_;
@@ -330,7 +357,7 @@ std::unique_ptr<PreparedContact> SchurContact::prepare(const Matrix& A, const Ma
     check_contact_matrices("SchurContact", A, B);
     if (!A.is_symmetric())
         throw InputError("SchurContact: A is " + A.shape() + " and not symmetric; use KluActiveSet");
-    return std::make_unique<PreparedSchur>(A, B, *linear_, options_);
+    return std::make_unique<PreparedSchur>(A, B, linear_, options_);
 }
 
 }  // namespace tact

@@ -35,7 +35,8 @@ Vector direction_of_negative_curvature(const Matrix& A) {
     const Vector diagonal = A.main_diagonal();
     Index i = 0;
     if (diagonal.size() == 0 || !A.all_finite()) return {};
-    if (diagonal.minCoeff(&i) < -rounding * diagonal.lpNorm<Eigen::Infinity>()) return Vector::Unit(diagonal.size(), i);
+    if (diagonal.minCoeff(&i) < -rounding * diagonal.lpNorm<Eigen::Infinity>())
+        return Vector::Unit(diagonal.size(), i);
     if (A.diagonal_entries() || A.rows() > largest) return {};
     Vector x;
     if (A.dense()) {
@@ -69,7 +70,8 @@ std::string evidence(const char* name, const Matrix& A, Vector x) {
     if ((x.array() != 0).count() == 1)
         text << name << "(" << at << ", " << at << ") is " << A.main_diagonal()[at];
     else
-        text << "x'" << name << "x is " << *negative_curvature(A, x) << " for an x with its largest entry, 1, in " << at;
+        text << "x'" << name << "x is " << *negative_curvature(A, x) << " for an x with its largest entry, 1, in "
+             << at;
     return text.str();
 }
 

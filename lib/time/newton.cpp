@@ -133,8 +133,8 @@ void NewtonSolver::take_step() {
 }
 
 NewtonSolver::Frozen* NewtonSolver::frozen(const Combination& combination) {
-    const auto found = std::find_if(frozen_.begin(), frozen_.end(),
-                                    [&](const auto& at) { return at->combination == combination; });
+    const auto found =
+        std::find_if(frozen_.begin(), frozen_.end(), [&](const auto& at) { return at->combination == combination; });
     if (found != frozen_.end()) {
         std::rotate(frozen_.begin(), found, found + 1);
         return frozen_.front().get();

@@ -29,6 +29,7 @@ public:
     /// detail then says which entry, and otherwise what is known of a failure.
     ContactReport solve(const Combination& combination, const ConstVectorRef& b, const ConstVectorRef& c,
                         ContactPoint point);
+
 private:
     struct Frozen;
     ContactReport iterate(Frozen& at, const ConstVectorRef& b, const ConstVectorRef& c);

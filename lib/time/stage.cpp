@@ -160,7 +160,8 @@ ContactReport StageSolver::solve(const Combination& combination, double t, const
 }
 
 /// Off the good path: what is not finite, or which matrix is at fault.
-void StageSolver::explain(const Combination& combination, double t, const ConstVectorRef& rhs, ContactReport& report) {
+void StageSolver::explain(const Combination& combination, double t, const ConstVectorRef& rhs,
+                          ContactReport& report) {
     const auto not_finite = [&](const char* name, const ConstVectorRef& x, bool allows_minus_infinity) {
         for (Index i = 0; i < x.size() && report.detail.empty(); ++i) {
             if (std::isfinite(x[i]) || (allows_minus_infinity && x[i] == -infinity)) continue;
