@@ -46,12 +46,27 @@ void check_contact_matrices(std::string_view solver, const Matrix& A, const Matr
                              " has a NaN or infinite entry, expected finite entries");
 }
 
+bool PreparedContact::update(const Matrix&) { return false; }
+
 namespace {
 
 class PreparedLinear final : public PreparedContact {
 public:
-    PreparedLinear(const Matrix& A, const Matrix& B, const LinearSolver& linear)
-        : factor_(linear.factorize(A)), certificate_(A, B), solution_(A.rows()), none_(0) {}
+    PreparedLinear(const Matrix& A, const Matrix& B, std::shared_ptr<const LinearSolver> linear)
+        : linear_(std::move(linear)),
+          factor_(linear_->factorize(A)),
+          B_(B),
+          certificate_(A, B),
+          solution_(A.rows()),
+          none_(0) {}
+
+    bool update(const Matrix& A) override {
+        if (A.rows() != solution_.size() || A.cols() != solution_.size()) return false;
+        auto factor = factor_->refactorized(A);
+        factor_ = factor ? std::move(factor) : linear_->factorize(A);
+        certificate_ = KktCertificate(A, B_);
+        return true;
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef&, ContactPoint point) override {
         solution_ = b;
@@ -63,7 +78,9 @@ public:
     }
 
 private:
+    std::shared_ptr<const LinearSolver> linear_;
     std::unique_ptr<const Factor> factor_;
+    Matrix B_;
     KktCertificate certificate_;
     Vector solution_;
     Vector none_;
@@ -76,7 +93,7 @@ WithoutContact::WithoutContact(std::shared_ptr<const LinearSolver> linear) : lin
 std::unique_ptr<PreparedContact> WithoutContact::prepare(const Matrix& A, const Matrix& B) const {
     if (B.rows() > 0)
         throw InputError("WithoutContact: B is " + B.shape() + ", expected no rows; use a contact solver");
-    return std::make_unique<PreparedLinear>(A, B, *linear_);
+    return std::make_unique<PreparedLinear>(A, B, linear_);
 }
 
 }  // namespace tact

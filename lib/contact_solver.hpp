@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "contact_rows.hpp"
@@ -33,6 +34,8 @@ struct [[nodiscard]] ContactReport {
     Vector infeasibility = {};
     /// After Outcome::unbounded: d with A d = 0, B d >= 0, b'd > 0 (largest entry 1), n numbers.
     Vector ray = {};
+    /// What is known of the reason where the outcome is not `converged`; else mostly empty.
+    std::string detail = {};
 };
 
 /// The common end of a solve: takes the certificate of (u, lambda) and counts the rows in contact; within `tolerance` (for
@@ -54,6 +57,11 @@ public:
     /// The same for rows of every kind (see RowBounds), by what ContactSolver::prepare_rows made. Here: contact rows as above,
     /// InputError for others.
     virtual ContactReport solve_rows(const ConstVectorRef& b, const RowBounds& rows, ContactPoint point);
+    /// Goes on with the numbers of `A`, a matrix with the size and the pattern of the one before, and keeps what does not hang
+    /// on numbers: orderings, symbolic analyses, the choice of a strategy, which rows were in contact. True: later solves are
+    /// with A. False: this strategy or this A needs a fresh `prepare`, and nothing has changed.
+    /// Throws like `prepare`; then nothing has changed either, or every solve throws the same.
+    virtual bool update(const Matrix& A);
     /// Whether a good guess of u shortens the solve (an iterative inner solver), or is not even read.
     virtual bool reads_guess() const { return false; }
 };

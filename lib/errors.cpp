@@ -16,6 +16,7 @@ std::string_view to_string(Outcome outcome) {
         case Outcome::step_limit: return "step limit";
         case Outcome::step_too_small: return "step too small";
         case Outcome::tolerance_too_small: return "tolerance too small";
+        case Outcome::not_finite: return "not finite";
         case Outcome::stopped: return "stopped";
     }
     return "unknown";

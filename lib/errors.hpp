@@ -29,6 +29,7 @@ enum class Outcome {
     step_limit,           ///< an adaptive integrator used up its internal steps
     step_too_small,       ///< its error or stage tests kept failing down to the smallest step
     tolerance_too_small,  ///< it was asked for more accuracy than rounding leaves
+    not_finite,           ///< a load, a gap or r(u) is NaN or infinite; the report says which
     stopped               ///< an observer or the user asked to stop
 };
 

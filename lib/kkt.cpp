@@ -229,10 +229,10 @@ void set_stationarity(KktResiduals& kkt, const Largest& residual, const Largest&
     kkt.stationarity = std::isfinite(forces) ? ratio(kkt.absolute.stationarity, forces) : infinity;
 }
 
-/// |A u - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`.
+/// |A u + r - b - B'lambda|, where add_forces adds -B'lambda block by block; into `kkt`. No r: nullptr.
 template <class AddForces>
 void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b, const ConstVectorRef& u,
-                       AddForces add_forces) {
+                       const double* r, AddForces add_forces) {
     alignas(64) Buffer sum, size;
     Largest residual, force_scale;
     for_each_block(A.size(), [&](Index block, Index first, Index count) {
@@ -240,6 +240,11 @@ void take_stationarity(KktResiduals& kkt, const Rows& A, const ConstVectorRef& b
             sum[i] = -b[first + i];
             size[i] = std::abs(b[first + i]);
         }
+        if (r)
+            for (Index i = 0; i < count; ++i) {
+                sum[i] += r[first + i];
+                size[i] += std::abs(r[first + i]);
+            }
         A.add(block, count, 1, u.data(), sum, size);
         add_forces(block, count, sum, size);
         residual.take(sum, count);
@@ -291,17 +296,31 @@ void take_rows(KktResiduals& kkt, const Range& gap, const Range& gap_scale, cons
 
 KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
                                         const ConstVectorRef& lambda) const {
+    return evaluate(b, c, u, lambda, nullptr);
+}
+
+void KktCertificate::row_products(const ConstVectorRef& u, Vector& moved, Vector& size) const {
+    const Rows& B = work_->B;
+    moved.setZero(B.size());
+    size.setZero(B.size());
+    for_each_block(B.size(), [&](Index block, Index first, Index count) {
+        B.add(block, count, 1, u.data(), moved.data() + first, size.data() + first);
+    });
+}
+
+KktResiduals KktCertificate::evaluate(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                                      const ConstVectorRef& lambda, const double* r) const {
     Work& w = *work_;
     KktResiduals kkt;
     Range gap, gap_scale, multiplier;
     multiplier.take(lambda.data(), lambda.size());
     const bool touching = multiplier.largest() != 0;
-    if (const Vector* diagonal = w.A.diagonal(); diagonal && !touching) {
+    if (const Vector* diagonal = w.A.diagonal(); diagonal && !touching && !r) {
         Largest residual, force_scale;
         take_diagonal(u.size(), diagonal->data(), u.data(), b.data(), {}, residual, force_scale);
         set_stationarity(kkt, residual, force_scale);
     } else {
-        take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+        take_stationarity(kkt, w.A, b, u, r, [&](Index block, Index count, double* sum, double* size) {
             if (touching) w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
         });
     }
@@ -346,7 +365,7 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
         take_diagonal(d->size(), d->data(), u.data(), b.data(), w.forces, residual, force_scale);
         set_stationarity(kkt, residual, force_scale);
     } else {
-        take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
+        take_stationarity(kkt, w.A, b, u, nullptr, [&](Index block, Index count, double* sum, double* size) {
             w.B_transposed.add(block, count, -1, lambda.data(), rows, sum, size);
         });
     }
@@ -371,69 +390,6 @@ KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const ConstVect
         multiplier.take(force, count);
     }
     take_rows(kkt, gap, gap_scale, multiplier, w.touches);
-    return kkt;
-}
-
-namespace {
-
-/// What one row adds, given B_i u and |B_i||u|.
-struct RowResidual {
-    double violation, outside;  // of the bounds, of the multiplier's interval
-    double opening;             // from the bound that the multiplier holds it at
-    double scale;               // |B_i||u| + |c_i|, zero for a row that is off
-};
-
-RowResidual row_residual(const RowBounds& rows, Index i, double moved, double size, double lambda) {
-    const double lower = rows.lower[i], upper = rows.upper_of(i);
-    const double least = rows.least_force(i), most = rows.most_force(i);
-    RowResidual row{0, std::max({least - lambda, lambda - most, 0.0}), 0, 0};
-    if (lambda < most) row.violation = std::max(row.violation, lower - moved);
-    if (lambda > least) row.violation = std::max(row.violation, moved - upper);
-    if (lambda > 0) row.opening = std::max(moved - lower, 0.0);
-    if (lambda < 0) row.opening = std::max(upper - moved, 0.0);
-    if (lower > -pseudo_infinite) row.scale = size + std::abs(lower);
-    if (upper < pseudo_infinite) row.scale = std::max(row.scale, size + std::abs(upper));
-    if (std::isnan(moved) || std::isnan(lambda) || std::isnan(lower) || std::isnan(upper)) row.violation = infinity;
-    return row;
-}
-
-}  // namespace
-
-KktResiduals KktCertificate::operator()(const ConstVectorRef& b, const RowBounds& rows, const ConstVectorRef& u,
-                                        const ConstVectorRef& lambda) const {
-    if (rows.contact_only()) return (*this)(b, rows.lower, u, lambda);
-    Work& w = *work_;
-    KktResiduals kkt;
-    take_stationarity(kkt, w.A, b, u, [&](Index block, Index count, double* sum, double* size) {
-        w.B_transposed.add(block, count, -1, lambda.data(), sum, size);
-    });
-    const double multipliers = lambda.size() > 0 ? lambda.lpNorm<Eigen::Infinity>() : 0;
-    std::vector<RowResidual> residuals;
-    residuals.reserve(static_cast<std::size_t>(w.B.size()));
-    double gaps = 0;
-    alignas(64) Buffer sum, size;
-    for_each_block(w.B.size(), [&](Index block, Index first, Index count) {
-        std::fill_n(sum, count, 0.0);
-        std::fill_n(size, count, 0.0);
-        w.B.add(block, count, 1, u.data(), sum, size);
-        for (Index i = 0; i < count; ++i) {
-            residuals.push_back(row_residual(rows, first + i, sum[i], size[i], lambda[first + i]));
-            gaps = std::max(gaps, residuals.back().scale);
-        }
-    });
-    auto& absolute = kkt.absolute;
-    for (std::size_t i = 0; i < residuals.size(); ++i) {
-        const RowResidual& row = residuals[i];
-        absolute.penetration = std::max(absolute.penetration, row.violation);
-        absolute.negativity = std::max(absolute.negativity, row.outside);
-        const double force = std::abs(lambda[static_cast<Index>(i)]);
-        if (force == 0 || row.opening == 0) continue;
-        const double share = force / multipliers;
-        kkt.complementarity = std::max(kkt.complementarity, std::min(ratio(row.opening, gaps), share));
-        absolute.complementarity = std::max(absolute.complementarity, row.opening * share);
-    }
-    kkt.penetration = std::isfinite(gaps) ? ratio(absolute.penetration, gaps) : infinity;
-    kkt.negativity = ratio(absolute.negativity, multipliers);
     return kkt;
 }
 

@@ -62,6 +62,10 @@ public:
     /// against upper_i - B_i u. For contact rows the one above.
     KktResiduals operator()(const ConstVectorRef& b, const RowBounds& rows, const ConstVectorRef& u,
                             const ConstVectorRef& lambda) const;
+    /// The same of  A u + r = b + B'lambda  for a force r that has been evaluated at u:
+    ///   stationarity     |Au + r - b - B'lambda| / (|A||u| + |r| + |b| + |B'||lambda|)
+    KktResiduals operator()(const ConstVectorRef& b, const RowBounds& rows, const ConstVectorRef& u,
+                            const ConstVectorRef& lambda, const ConstVectorRef& r) const;
 
     /// The same where only the listed rows are in question: the caller has proven the others open, and they carry no
     /// multiplier. Their entries of c and lambda are not read, and the gaps' scale is that of the listed rows, which makes
@@ -71,6 +75,12 @@ public:
 
 private:
     struct Work;
+    KktResiduals evaluate_rows(const ConstVectorRef& b, const RowBounds& rows, const ConstVectorRef& u,
+                               const ConstVectorRef& lambda, const double* r) const;
+    /// B u and |B||u|.
+    void row_products(const ConstVectorRef& u, Vector& moved, Vector& size) const;
+    KktResiduals evaluate(const ConstVectorRef& b, const ConstVectorRef& c, const ConstVectorRef& u,
+                          const ConstVectorRef& lambda, const double* r) const;
     std::unique_ptr<Work> work_;
 };
 

@@ -17,32 +17,26 @@ namespace {
 class PreparedDense final : public PreparedContact {
 public:
     PreparedDense(const Matrix& A, const Matrix& B, const DenseContactOptions& options)
-        : accept_(A, B), u_(A.rows()), g_(B.rows()), w_(B.rows()), multiplier_(B.rows()), lambda_(B.rows()) {
-        factor_ = DenseLinearSolver().factorize(A);
-        if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
-        const DenseMatrix dense_B = B.to_dense();
-        rows_.W = dense_B.transpose();
-        factor_->solve(rows_.W);
-        // Rows of unit energy: the answer does not depend on how a row of B is scaled.
-        for (Index i = 0; i < dense_B.rows(); ++i) {
-            Index column = 0;
-            if ((dense_B.row(i).array() != 0).count() != 1) continue;
-            dense_B.row(i).cwiseAbs().maxCoeff(&column);
-            rows_.bounds.push_back({i, column, dense_B(i, column)});
-        }
-        rows_.scale = (dense_B * rows_.W).diagonal();
-        for (double& s : rows_.scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
-        rows_.B = rows_.scale.asDiagonal() * dense_B;
-        rows_.W = rows_.W * rows_.scale.asDiagonal();
-        rows_.S = rows_.B * rows_.W;
-        rows_.S = (0.5 * (rows_.S + rows_.S.transpose())).eval();
-        if (options.compliance > 0) {
-            rows_.compliance = options.compliance * rows_.S.diagonal().cwiseQuotient(rows_.scale.cwiseAbs2());
-            rows_.S.diagonal() *= 1 + options.compliance;
-            rows_.bounds.clear();  // rows give way: none is met exactly
-        }
-        constexpr Index fewest = 8;  // rows, for leaving some out to pay
-        if (options.screening && inverse_.size() > 0 && B.rows() >= fewest) few_.emplace(A, dense_B, rows_);
+        : B_(B),
+          options_(options),
+          accept_(A, B),
+          u_(A.rows()),
+          g_(B.rows()),
+          w_(B.rows()),
+          multiplier_(B.rows()),
+          lambda_(B.rows()) {
+        take(A, DenseLinearSolver().factorize(A));
+    }
+
+    bool update(const Matrix& given) override {
+        const Matrix A = given.sparse() ? Matrix(given.to_dense()) : given;
+        if (A.rows() != u_.size() || A.cols() != u_.size() || !A.is_symmetric()) return false;
+        if (const Vector* d = A.diagonal_entries(); d && !(d->minCoeff() > 0)) return false;
+        auto factor = DenseLinearSolver().factorize(A);
+        accept_ = Acceptance(A, B_);
+        dual_.reset();
+        take(A, std::move(factor));
+        return true;
     }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -106,6 +100,37 @@ public:
     }
 
 private:
+    void take(const Matrix& A, std::unique_ptr<const Factor> factor) {
+        few_.reset();
+        factor_ = std::move(factor);
+        inverse_.resize(0);
+        if (const Vector* d = A.diagonal_entries()) inverse_ = d->cwiseInverse();
+        rows_ = {};
+        const DenseMatrix dense_B = B_.to_dense();
+        rows_.W = dense_B.transpose();
+        factor_->solve(rows_.W);
+        // Rows of unit energy: the answer does not depend on how a row of B is scaled.
+        for (Index i = 0; i < dense_B.rows(); ++i) {
+            Index column = 0;
+            if ((dense_B.row(i).array() != 0).count() != 1) continue;
+            dense_B.row(i).cwiseAbs().maxCoeff(&column);
+            rows_.bounds.push_back({i, column, dense_B(i, column)});
+        }
+        rows_.scale = (dense_B * rows_.W).diagonal();
+        for (double& s : rows_.scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
+        rows_.B = rows_.scale.asDiagonal() * dense_B;
+        rows_.W = rows_.W * rows_.scale.asDiagonal();
+        rows_.S = rows_.B * rows_.W;
+        rows_.S = (0.5 * (rows_.S + rows_.S.transpose())).eval();
+        if (options_.compliance > 0) {
+            rows_.compliance = options_.compliance * rows_.S.diagonal().cwiseQuotient(rows_.scale.cwiseAbs2());
+            rows_.S.diagonal() *= 1 + options_.compliance;
+            rows_.bounds.clear();  // rows give way: none is met exactly
+        }
+        constexpr Index fewest = 8;  // rows, for leaving some out to pay
+        if (options_.screening && inverse_.size() > 0 && B_.rows() >= fewest) few_.emplace(A, dense_B, rows_);
+    }
+
     static constexpr double acceptable = 1e-9;
     /// Beyond this rows are judged one by one: the largest of them may hide what is wrong in the others.
     static constexpr double sharp = 1e-12;
@@ -120,6 +145,8 @@ private:
         }
     }
 
+    Matrix B_;
+    DenseContactOptions options_;
     CondensedRows rows_;
     Acceptance accept_;
     std::optional<FewRows> few_;

@@ -114,6 +114,7 @@ public:
           tightest_(at(merging.B.rows())) {}
 
     bool reads_guess() const override { return inner_->reads_guess(); }
+    bool update(const Matrix& A) override { return inner_->update(A); }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         std::fill(tightest_.begin(), tightest_.end(), -1);

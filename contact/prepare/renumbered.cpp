@@ -124,6 +124,10 @@ public:
         : inner_(std::move(inner)), unknowns_(std::move(unknowns)), rows_(std::move(rows)) {}
 
     bool reads_guess() const override { return inner_->reads_guess(); }
+    bool update(const Matrix& A) override {
+        return A.sparse() && A.rows() == unknowns_.size() && A.cols() == unknowns_.size() &&
+               inner_->update(renumbered(*A.sparse(), unknowns_.order));
+    }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         for (Index i = 0; i < b.size(); ++i) {

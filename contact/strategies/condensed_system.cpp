@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tact {
 namespace {
@@ -21,6 +22,18 @@ CondensedSystem::CondensedSystem(const SparseMatrix& A, const ConstraintRows& ro
     for (Index r = 0; r < n_; ++r)
         for (auto k = by_row_.outerIndexPtr()[r]; k < by_row_.outerIndexPtr()[r + 1]; ++k)
             home_[at_index(k)] = &at(r, by_row_.innerIndexPtr()[k]) - first;
+}
+
+bool CondensedSystem::take(const SparseMatrix& A) {
+    SparseMatrix by_row(A.transpose());
+    const auto same = [](const auto* a, const auto* b, Index count) { return std::equal(a, a + count, b); };
+    if (by_row.rows() != n_ || by_row.nonZeros() != by_row_.nonZeros() ||
+        !same(by_row.outerIndexPtr(), by_row_.outerIndexPtr(), n_ + 1) ||
+        !same(by_row.innerIndexPtr(), by_row_.innerIndexPtr(), by_row.nonZeros()))
+        return false;
+    by_row_ = std::move(by_row);
+    factored_.reset();
+    return true;
 }
 
 bool CondensedSystem::factor(const Set& active) {
@@ -153,8 +166,7 @@ SparseMatrix CondensedSystem::pattern() {
     std::vector<Triplet> entries;
     entries.reserve(at_index(by_row_.nonZeros() + 2 * rows_.rows()));
     const auto copy_row = [&](Index target, Index source) {
-        for (SparseMatrix::InnerIterator it(by_row_, source); it; ++it)
-            entries.emplace_back(target, it.index(), 1.0);
+        for (SparseMatrix::InnerIterator it(by_row_, source); it; ++it) entries.emplace_back(target, it.index(), 1.0);
     };
     for (Index r = 0; r < n_; ++r) copy_row(r, r);
     for (Index i = 0; i < rows_.rows(); ++i) {

@@ -20,6 +20,9 @@ public:
     /// `rows` must outlive the system.
     CondensedSystem(const SparseMatrix& A, const ConstraintRows& rows);
 
+    /// Other numbers on the same pattern; false, and nothing done, where the pattern is another one.
+    [[nodiscard]] bool take(const SparseMatrix& A);
+
     /// Refactors for this set, unless it is the one factored last; false if its equations are singular.
     [[nodiscard]] bool factor(const Set& active);
     /// Solves on the set last factored. size_i: of the terms that lambda_i is a sum of, so that some 1e-16 of it is rounding.

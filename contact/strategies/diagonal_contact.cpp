@@ -14,28 +14,21 @@ namespace {
 class PreparedDiagonal final : public PreparedContact {
 public:
     PreparedDiagonal(const Matrix& A, const Matrix& B, ConstraintRows rows)
-        : certificate_(A, B),
+        : B_(B),
+          certificate_(A, B),
           rows_(std::move(rows)),
-          // 0 for an unknown without stiffness: neither b nor a multiplier moves it.
-          inverse_(A.diagonal_entries()->unaryExpr([](double a) { return a > 0 ? 1 / a : 0.0; })),
-          compliance_(rows_.rows()),
           u_(A.rows()),
           lambda_(rows_.rows()),
           row_of_(static_cast<std::size_t>(A.rows()), -1) {
-        for (Index i = 0; i < rows_.rows(); ++i) {
-            double sum = 0;
-            const auto columns = rows_.columns(i);
-            const auto weights = rows_.weights(i);
-            bool loose = false;
-            for (std::size_t k = 0; k < columns.size(); ++k) {
-                sum += weights[k] * weights[k] * inverse_[columns[k]];
-                row_of_[static_cast<std::size_t>(columns[k])] = i;
-                loose |= inverse_[columns[k]] == 0;
-            }
-            compliance_[i] = loose ? infinity : sum;
-        }
-        for (Index j = 0; j < inverse_.size(); ++j)
-            if (inverse_[j] == 0) loose_.push_back(j);
+        take(*A.diagonal_entries());
+    }
+
+    bool update(const Matrix& A) override {
+        const Vector* diagonal = A.diagonal_entries();
+        if (!diagonal || diagonal->size() != u_.size() || !(diagonal->array() >= 0).all()) return false;
+        certificate_ = KktCertificate(A, B_);
+        take(*diagonal);
+        return true;
     }
 
     bool reads_guess() const override { return !loose_.empty(); }
@@ -80,6 +73,27 @@ public:
     }
 
 private:
+    void take(const Vector& diagonal) {
+        // 0 for an unknown without stiffness: neither b nor a multiplier moves it.
+        inverse_ = diagonal.unaryExpr([](double a) { return a > 0 ? 1 / a : 0.0; });
+        compliance_.resize(rows_.rows());
+        for (Index i = 0; i < rows_.rows(); ++i) {
+            double sum = 0;
+            const auto columns = rows_.columns(i);
+            const auto weights = rows_.weights(i);
+            bool loose = false;
+            for (std::size_t k = 0; k < columns.size(); ++k) {
+                sum += weights[k] * weights[k] * inverse_[columns[k]];
+                row_of_[static_cast<std::size_t>(columns[k])] = i;
+                loose |= inverse_[columns[k]] == 0;
+            }
+            compliance_[i] = loose ? infinity : sum;
+        }
+        loose_.clear();
+        for (Index j = 0; j < inverse_.size(); ++j)
+            if (inverse_[j] == 0) loose_.push_back(j);
+    }
+
     static constexpr double acceptable = 1e-10;
     /// Of the largest load: a load that is less is none.
     static constexpr double rounding = 1e-15;
@@ -133,6 +147,7 @@ private:
         report.ray[unknown] = direction;
     }
 
+    Matrix B_;
     KktCertificate certificate_;
     ConstraintRows rows_;
     Vector inverse_, compliance_, u_, lambda_;

@@ -116,17 +116,28 @@ private:
 class PreparedKlu final : public PreparedContact {
 public:
     PreparedKlu(const Matrix& A, const Matrix& B)
-        : accept_(A, B),
+        : given_B_(B),
+          accept_(A, B),
           unit_(A.main_diagonal().unaryExpr(&unit_of)),
           B_(B.to_sparse() * unit_.asDiagonal()),
           row_unit_(unit_rows(B_)),
           rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
           system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
           active_(at(B.rows()), 0) {
-        if (rows_.bounds()) {
-            intervals_.emplace(rows_, A.rows());
-            nested_.emplace(SparseMatrix(system_.by_row().transpose()));
-        }
+        if (rows_.bounds()) intervals_.emplace(rows_, A.rows());
+        start_from_coarser_graphs();
+    }
+
+    /// In the units of the first A, while the new one's are within a factor of 16.
+    bool update(const Matrix& A) override {
+        if (A.rows() != unit_.size() || A.cols() != unit_.size()) return false;
+        check_no_negative_diagonal("KluActiveSet", A);
+        const Vector change = A.main_diagonal().unaryExpr(&unit_of).cwiseQuotient(unit_);
+        if (!(change.minCoeff() >= 1.0 / 16 && change.maxCoeff() <= 16)) return false;
+        if (!system_.take(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal())) return false;
+        accept_ = Acceptance(A, given_B_);
+        start_from_coarser_graphs();
+        return true;
     }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -146,6 +157,10 @@ public:
     }
 
 private:
+    void start_from_coarser_graphs() {
+        if (intervals_) nested_.emplace(SparseMatrix(system_.by_row().transpose()));
+    }
+
     static constexpr double acceptable = 1e-10;
     /// Of the terms that a multiplier is a sum of: what their rounding leaves of a multiplier that is zero. Where a set
     /// comes back it was more, by the condition of the set's equations: up to `most_rounding`, far below what is accepted.
@@ -212,6 +227,7 @@ private:
         }
     }
 
+    Matrix given_B_;
     Acceptance accept_;
     Vector unit_;
     SparseMatrix B_;  // in these units

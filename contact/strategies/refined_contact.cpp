@@ -40,6 +40,12 @@ public:
         return report;
     }
     bool reads_guess() const override { return inner_->reads_guess(); }
+    bool update(const Matrix& A) override {
+        if (!inner_->update(A)) return false;
+        A_ = A;
+        certificate_ = KktCertificate(A, B_);
+        return true;
+    }
 
 private:
     static constexpr double rounding = 1e-15;

@@ -21,7 +21,7 @@ namespace {
 class Pool {
 public:
     Pool(const Factor& factor, const ConstraintRows& rows, std::size_t bytes)
-        : factor_(factor),
+        : factor_(&factor),
           rows_(rows),
           largest_(static_cast<Index>(std::sqrt(static_cast<double>(bytes) / sizeof(double)))) {
         place_.assign(static_cast<std::size_t>(rows.rows()), -1);
@@ -41,8 +41,13 @@ public:
             members_.push_back(row);
         }
         reserve();
-        factor_.compliance(columns(), old, S_);
-        for (Index j = old; j < size(); ++j) S_.row(j).head(j) = S_.col(j).head(j).transpose();
+        form(old);
+    }
+
+    /// The members stay, their compliance is that of another factor.
+    void change(const Factor& factor) {
+        factor_ = &factor;
+        if (size() > 0) form(0);
     }
 
     /// Forgets all rows but those given; their mutual compliance is kept.
@@ -60,9 +65,13 @@ public:
     }
 
 private:
+    void form(Index from) {
+        factor_->compliance(columns(), from, S_);
+        for (Index j = from; j < size(); ++j) S_.row(j).head(j) = S_.col(j).head(j).transpose();
+    }
     /// The members' rows of B as columns.
     SparseMatrix columns() const {
-        SparseMatrix R(factor_.size(), size());
+        SparseMatrix R(factor_->size(), size());
         for (Index j = 0; j < size(); ++j) {
             const Index row = members_[static_cast<std::size_t>(j)];
             R.startVec(j);
@@ -77,7 +86,7 @@ private:
         const Index capacity = std::max(size(), std::min(largest_, std::max<Index>(64, size() + size() / 2)));
         S_.conservativeResize(capacity, capacity);
     }
-    const Factor& factor_;
+    const Factor* factor_;
     const ConstraintRows& rows_;
     Index largest_;
     std::vector<Index> members_, place_;
@@ -86,8 +95,10 @@ private:
 
 class PreparedSchur final : public PreparedContact {
 public:
-    PreparedSchur(const Matrix& A, const Matrix& B, const LinearSolver& linear, SchurOptions options)
-        : factor_(linear.factorize(A)),
+    PreparedSchur(const Matrix& A, const Matrix& B, std::shared_ptr<const LinearSolver> linear, SchurOptions options)
+        : linear_(std::move(linear)),
+          factor_(linear_->factorize(A)),
+          B_(B),
           accept_(A, B),
           rows_(B),
           runs_(B.to_sparse().transpose()),
@@ -97,8 +108,24 @@ public:
           gap_(B.rows()),
           free_gap_(B.rows()),
           allowance_(B.rows()),
-          lambda_(B.rows()) {
-        if (options.least_stiffness > 0) check_stiffness(A, options.least_stiffness);
+          lambda_(Vector::Zero(B.rows())),
+          least_stiffness_(options.least_stiffness) {
+        check_stiffness(A, *factor_);
+    }
+
+    /// Of the pool only what was in contact last is formed anew.
+    bool update(const Matrix& A) override {
+        if (A.rows() != u_.size() || A.cols() != u_.size() || !A.is_symmetric()) return false;
+        auto factor = factor_->refactorized(A);
+        if (!factor) factor = linear_->factorize(A);
+        check_stiffness(A, *factor);
+        accept_ = Acceptance(A, B_);
+        load_.resize(0);
+        forget(lambda_);
+        factored_pool_ = false;
+        pool_.change(*factor);
+        factor_ = std::move(factor);
+        return true;
     }
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -146,7 +173,8 @@ private:
     static constexpr double gap_tolerance = 2e-14;
 
     /// Two steps of inverse iteration from numbers that are the same everywhere.
-    void check_stiffness(const Matrix& A, double least) const {
+    void check_stiffness(const Matrix& A, const Factor& factor) const {
+        if (least_stiffness_ == 0) return;
         const Vector diagonal = A.main_diagonal();
         std::mt19937_64 random(1);
         Vector x(A.rows());
@@ -155,9 +183,10 @@ private:
         for (int step = 0; step < 2; ++step) {
             const Vector force = x / x.lpNorm<Eigen::Infinity>();
             x = force;
-            factor_->solve(x);
+            factor.solve(x);
             const double stiffness = x.dot(force) / diagonal.dot(x.cwiseAbs2());
-            if (stiffness < least) throw NumericalError("SchurContact: A is " + A.shape() + " and nearly singular");
+            if (stiffness < least_stiffness_)
+                throw NumericalError("SchurContact: A is " + A.shape() + " and nearly singular");
             x = diagonal.cwiseProduct(x);
         }
     }
@@ -328,7 +357,9 @@ private:
         active_set_.forget();
     }
 
+    std::shared_ptr<const LinearSolver> linear_;
     std::unique_ptr<const Factor> factor_;
+    Matrix B_;
     Acceptance accept_;
     ConstraintRows rows_;
     RowRuns runs_;
@@ -339,7 +370,8 @@ private:
     bool factored_pool_ = false;  // what active_set_ has a factor of is a part of the pool
     DenseMatrix S_;               // of the working set, as what follows
     Vector working_g_, working_allowance_, working_multiplier_, working_w_;
-    double reach_ = 0;  // of free_, in units of energy
+    double least_stiffness_;  // 0: any
+    double reach_ = 0;        // of free_, in units of energy
     Vector load_, free_, u_, gap_, free_gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
 };
 
@@ -353,7 +385,7 @@ std::unique_ptr<PreparedContact> SchurContact::prepare(const Matrix& A, const Ma
     if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric())
         throw InputError("SchurContact: A is " + A.shape() + " and not symmetric; use KluActiveSet");
-    return std::make_unique<PreparedSchur>(A, B, *linear_, options_);
+    return std::make_unique<PreparedSchur>(A, B, linear_, options_);
 }
 
 }  // namespace tact

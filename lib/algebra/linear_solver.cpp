@@ -21,6 +21,8 @@ void Factor::compliance(const SparseMatrix& R, Index first, Eigen::Ref<DenseMatr
     }
 }
 
+std::unique_ptr<const Factor> Factor::refactorized(const Matrix&) const { return nullptr; }
+
 namespace {
 
 class DiagonalFactor final : public Factor {

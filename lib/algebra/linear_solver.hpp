@@ -17,6 +17,9 @@ public:
     /// S(i, j) := r_i' A^-1 r_j for the columns r of R, i <= j, j from `first` on; R has size() rows, S at least as many
     /// rows and columns as R has columns.
     virtual void compliance(const SparseMatrix& R, Index first, Eigen::Ref<DenseMatrix> S) const;
+    /// A factor of other numbers on the same pattern, which may share this one's ordering and symbolic analysis; nullptr where
+    /// nothing can be shared: factorise anew. Throws as `factorize` does; this factor stays as it is.
+    virtual std::unique_ptr<const Factor> refactorized(const Matrix& A) const;
 };
 
 /// A recipe for factorising. Throws NumericalError that names the matrix if it is singular (or, for a Cholesky

@@ -3,6 +3,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -119,12 +120,43 @@ void analyse(const SparseMatrix& A, const std::vector<Index>& last, Library& lib
     library.factor = analyse_as(order);
 }
 
+/// Of what the library has analysed.
+SupernodalFactor factor_analysed(Library& library, cholmod_sparse& view, const std::string& name);
+
 /// `name` is the matrix in messages.
 SupernodalFactor factor_block(const SparseMatrix& block, const std::vector<Index>& last, const std::string& name) {
     Library library;
-    cholmod_common& common = library.common;
     cholmod_sparse view = lower_view(block);
     analyse(block, last, library);
+    return factor_analysed(library, view, name);
+}
+
+/// The ordering and the symbolic analysis of one pattern, for many factors.
+class Analysis {
+public:
+    Analysis(const SparseMatrix& block, const std::vector<Index>& last) : pattern_(block) {
+        analyse(block, last, library_);
+    }
+    bool fits(const SparseMatrix& block) const {
+        return block.rows() == pattern_.rows() && block.nonZeros() == pattern_.nonZeros() &&
+               std::equal(block.outerIndexPtr(), block.outerIndexPtr() + block.cols() + 1,
+                          pattern_.outerIndexPtr()) &&
+               std::equal(block.innerIndexPtr(), block.innerIndexPtr() + block.nonZeros(), pattern_.innerIndexPtr());
+    }
+    SupernodalFactor factor(const SparseMatrix& block, const std::string& name) {
+        Library numeric;
+        cholmod_sparse view = lower_view(block);
+        numeric.factor = library_.factor ? cholmod_l_copy_factor(library_.factor, &numeric.common) : nullptr;
+        return factor_analysed(numeric, view, name);
+    }
+
+private:
+    SparseMatrix pattern_;
+    Library library_;
+};
+
+SupernodalFactor factor_analysed(Library& library, cholmod_sparse& view, const std::string& name) {
+    cholmod_common& common = library.common;
     if (library.factor) cholmod_l_factorize(&view, library.factor, &common);
     const cholmod_factor* L = library.factor;
     if (!L || common.status < CHOLMOD_OK)
@@ -149,14 +181,36 @@ SupernodalFactor factor_block(const SparseMatrix& block, const std::vector<Index
                              .permutation = static_cast<const long*>(L->Perm)});
 }
 
+std::string name_of(const SparseMatrix& A) {
+    return "the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) + " sparse matrix";
+}
+
+std::unique_ptr<const Factor> factor_of(const SparseMatrix& A);
+
 class CholmodFactor final : public Factor {
 public:
     CholmodFactor(const SparseMatrix& A, Index blocks, const std::vector<Index>& last)
         : blocks_(blocks),
           n_(A.rows() / blocks),
-          factor_(
-              factor_block(A.topLeftCorner(n_, n_), blocks == 1 ? last : std::vector<Index>{},
-                           "the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) + " sparse matrix")) {}
+          last_(blocks == 1 ? last : std::vector<Index>{}),
+          factor_(factor_block(A.topLeftCorner(n_, n_), last_, name_of(A))) {}
+    CholmodFactor(const SparseMatrix& A, const SparseMatrix& block, const std::vector<Index>& last,
+                  std::shared_ptr<Analysis> analysis)
+        : blocks_(A.rows() / block.rows()),
+          n_(block.rows()),
+          last_(last),
+          factor_(analysis->factor(block, name_of(A))),
+          analysis_(std::move(analysis)) {}
+
+    /// The first time the analysis is made, which then serves all that follow.
+    std::unique_ptr<const Factor> refactorized(const Matrix& A) const override {
+        const SparseMatrix* S = A.sparse();
+        if (!S || !A.is_symmetric() || S->rows() == 0) return nullptr;
+        const Index n = S->rows() / (last_.empty() ? identical_blocks(*S) : 1);
+        const SparseMatrix block = S->topLeftCorner(n, n);
+        if (!analysis_ || !analysis_->fits(block)) analysis_ = std::make_shared<Analysis>(block, last_);
+        return std::make_unique<CholmodFactor>(*S, block, last_, analysis_);
+    }
 
     Index size() const override { return blocks_ * n_; }
 
@@ -201,7 +255,9 @@ private:
     };
     Index blocks_;
     Index n_;
+    std::vector<Index> last_;  // unknowns that come last in the order
     SupernodalFactor factor_;
+    mutable std::shared_ptr<Analysis> analysis_;
     mutable std::vector<double*> columns_;
     mutable std::vector<Repeated> repeated_;
     mutable std::optional<Compliance> compliance_;
@@ -209,8 +265,7 @@ private:
 
 class NarrowFactor final : public Factor {
 public:
-    explicit NarrowFactor(const SparseMatrix& A)
-        : factor_(A, "the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) + " sparse matrix") {}
+    explicit NarrowFactor(const SparseMatrix& A) : factor_(A, name_of(A)) {}
     Index size() const override { return factor_.size(); }
     void solve(Eigen::Ref<DenseMatrix> B) const override {
         for (Index j = 0; j < B.cols(); ++j) factor_.solve(B.col(j).data());

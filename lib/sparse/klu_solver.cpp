@@ -85,9 +85,7 @@ public:
                                  " sparse matrix is singular");
     }
     Index size() const override { return klu_.matrix().rows(); }
-    void solve(Eigen::Ref<DenseMatrix> B) const override {
-        klu_.solve(B);
-    }
+    void solve(Eigen::Ref<DenseMatrix> B) const override { klu_.solve(B); }
 
 private:
     KluRefactorable klu_;

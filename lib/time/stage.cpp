@@ -1,9 +1,13 @@
 #include "stage.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <string>
 
 #include "../algebra/empty_rows.hpp"
+#include "indefinite.hpp"
+#include "newton.hpp"
 
 namespace tact {
 
@@ -28,6 +32,11 @@ Matrix combined(const ContactProblem& p, const Combination& c) {
     if (p.D) add(c.damping, *p.D);
     if (p.M) add(c.mass, *p.M);
     return A ? *A : scaled(0, p.K);
+}
+
+std::unique_ptr<PreparedContact> prepare_contact(const ContactSolver& solver, const Matrix& A,
+                                                 const ContactProblem& problem) {
+    return problem.contact_only() ? solver.prepare(A, problem.B) : solver.prepare_rows(A, problem.B);
 }
 
 struct ContactWorkspace::Entry {
@@ -61,9 +70,14 @@ std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem
         std::rotate(entries_.begin(), found, found + 1);
         return entries_.front()->contact;
     }
-    const Matrix A = combined(p, combination);
-    std::shared_ptr<PreparedContact> contact =
-        p.contact_only() ? solver_->prepare(A, p.B) : solver_->prepare_rows(A, p.B);
+    std::shared_ptr<PreparedContact> contact;
+    try {
+        contact = prepare_contact(*solver_, combined(p, combination), p);
+    } catch (const std::exception& refusal) {
+        const std::string why = why_indefinite(p, combination);
+        if (why.empty()) throw;
+        throw NumericalError(why + " (" + refusal.what() + ")");
+    }
     if (entries_.size() == capacity_) entries_.pop_back();
     entries_.insert(entries_.begin(), std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, p.contact_only(),
                                                                     std::move(contact)}));
@@ -79,16 +93,49 @@ StageSolver::StageSolver(const ContactProblem& problem, ContactWorkspace& worksp
       work_(problem.size()),
       scratch_(std::max(
           {problem.f.mode_count(), problem.c.mode_count(), problem.c_up ? problem.c_up->mode_count() : Index{0}})) {
-    if (problem.f.constant()) problem.f.evaluate(0, Side::right, scratch_, load_);
-    if (problem.constraints() > 0 && problem.c.constant()) problem.c.evaluate(0, Side::right, scratch_, gap_);
-    if (!problem.c_up) return;
-    upper_.resize(problem.constraints());
-    if (problem.c_up->constant()) problem.c_up->evaluate(0, Side::right, scratch_, upper_);
+    if (problem.f.constant()) {
+        problem.f.evaluate(0, Side::right, scratch_, load_);
+        load_fails_ = !load_.allFinite();
+    }
+    if (problem.c_up) upper_.resize(problem.constraints());
+    if (problem.constraints() > 0 && problem.c.constant()) {
+        problem.c.evaluate(0, Side::right, scratch_, gap_);
+        gap_fails_ = !(gap_.array() < infinity).all();
+    }
+    if (problem.c_up && problem.c_up->constant()) {
+        problem.c_up->evaluate(0, Side::right, scratch_, upper_);
+        upper_fails_ = !(upper_.array() > -infinity).all();
+    }
+    if (problem.r) newton_ = std::make_unique<NewtonSolver>(problem, workspace);
 }
 
+StageSolver::~StageSolver() = default;
+
 const Vector& StageSolver::load(double t, Side side) {
-    if (!problem_.f.constant()) problem_.f.evaluate(t, side, scratch_, load_);
+    if (!problem_.f.constant()) {
+        problem_.f.evaluate(t, side, scratch_, load_);
+        // Modes are finite.
+        load_fails_ =
+            problem_.f.is_function() ? !load_.allFinite() : !scratch_.head(problem_.f.mode_count()).allFinite();
+    }
     return load_;
+}
+
+void StageSolver::read_gap(double t) {
+    if (problem_.constraints() == 0) return;
+    if (!problem_.c.constant()) {
+        problem_.c.evaluate(t, Side::right, scratch_, gap_);
+        gap_fails_ = !(gap_.array() < infinity).all();
+    }
+    if (problem_.c_up && !problem_.c_up->constant()) {
+        problem_.c_up->evaluate(t, Side::right, scratch_, upper_);
+        upper_fails_ = !(upper_.array() > -infinity).all();
+    }
+}
+
+RowBounds StageSolver::rows() const {
+    const auto given = [](const Vector& v) { return v.size() > 0 ? &v : nullptr; };
+    return {gap_, given(upper_), given(problem_.force_lo), given(problem_.force_up)};
 }
 
 ContactReport StageSolver::solve(const Stage& stage, State& state) {
@@ -120,58 +167,48 @@ ContactReport StageSolver::solve(const Stage& stage, State& state) {
 ContactReport StageSolver::solve(const Combination& combination, double t, const ConstVectorRef& rhs,
                                  ContactPoint point) {
     const ContactProblem& p = problem_;
-    if (p.constraints() > 0 && !p.c.constant()) p.c.evaluate(t, Side::right, scratch_, gap_);
-    if (p.c_up && !p.c_up->constant()) p.c_up->evaluate(t, Side::right, scratch_, upper_);
-    if (p.r) return newton(combination, rhs, point);
-    if (!prepared_ || !(combination_ == combination)) {
-        prepared_ = workspace_.prepared(p, combination);
-        combination_ = combination;
-    }
-    return solve_contact(*prepared_, rhs, point);
-}
-
-ContactReport StageSolver::solve_contact(PreparedContact& contact, const ConstVectorRef& b,
-                                         ContactPoint point) const {
-    const ContactProblem& p = problem_;
-    if (p.contact_only()) return contact.solve(b, gap_, point);
-    const auto given = [](const Vector& v) { return v.size() > 0 ? &v : nullptr; };
-    return contact.solve_rows(b, {gap_, p.c_up ? &upper_ : nullptr, given(p.force_lo), given(p.force_up)}, point);
-}
-
-ContactReport StageSolver::newton(const Combination& combination, const ConstVectorRef& rhs, ContactPoint point) {
-    constexpr int most_iterations = 25;
-    // Newton's error is about the square of its last change: this leaves it at rounding.
-    constexpr double small_change = 1e-9;
-    const Matrix A = combined(problem_, combination);
-    Vector u = point.u, lambda = point.lambda, next, b;
+    read_gap(t);
     ContactReport report;
-    int iterations = 0;
-    for (int k = 0; k < most_iterations; ++k) {
-        // r(u_k+1) = r(u_k) + r'(u_k)(u_k+1 - u_k)
-        const Matrix tangent = problem_.r->tangent(u);
-        b.resize(u.size());
-        problem_.r->force(u, b);
-        tangent.multiply(u, b, 1, -1);
-        b += rhs;
-        next = u;
-        const Matrix now = combine(1, tangent, 1, A);
-        const ContactSolver& solver = workspace_.solver();
-        const auto contact =
-            problem_.contact_only() ? solver.prepare(now, problem_.B) : solver.prepare_rows(now, problem_.B);
-        report = solve_contact(*contact, b, {next, lambda});
-        report.iterations = iterations += report.iterations;
-        if (report.outcome != Outcome::converged) return report;
-        const double change = (next - u).lpNorm<Eigen::Infinity>();
-        const double size = next.lpNorm<Eigen::Infinity>();
-        u.swap(next);
-        if (!(change > small_change * size)) {
-            point.u = u;
-            point.lambda = lambda;
-            return report;
+    report.outcome = Outcome::not_finite;
+    if (!load_fails_ && !gap_fails_ && !upper_fails_) {
+        if (newton_) {
+            report = newton_->solve(combination, rhs, rows(), point);
+        } else {
+            if (!prepared_ || !(combination_ == combination)) {
+                prepared_ = workspace_.prepared(p, combination);
+                combination_ = combination;
+            }
+            report = prepared_->solve_rows(rhs, rows(), point);
         }
     }
-    report.outcome = Outcome::iteration_limit;
+    if (report.outcome != Outcome::converged) explain(combination, t, rhs, report);
     return report;
+}
+
+/// Off the good path: what is not finite, or which matrix is at fault.
+void StageSolver::explain(const Combination& combination, double t, const ConstVectorRef& rhs,
+                          ContactReport& report) {
+    const auto not_finite = [&](const char* name, const ConstVectorRef& x, bool allows_minus_infinity) {
+        for (Index i = 0; i < x.size() && report.detail.empty(); ++i) {
+            if (std::isfinite(x[i]) || (allows_minus_infinity && x[i] == -infinity)) continue;
+            std::ostringstream text;
+            text << name << " is " << x[i] << " in entry " << i;
+            report.detail = text.str();
+        }
+    };
+    if (report.detail.empty()) {
+        not_finite("the load f(t)", load_, false);
+        not_finite("the gap c(t)", gap_, true);
+        not_finite("the right-hand side, of earlier states,", rhs, false);
+        if (!report.detail.empty()) report.outcome = Outcome::not_finite;
+    }
+    if (report.outcome == Outcome::not_finite) {
+        std::ostringstream text;
+        text << report.detail << " at t = " << t;
+        report.detail = text.str();
+    } else if (report.detail.empty()) {
+        report.detail = why_indefinite(problem_, combination);
+    }
 }
 
 StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace, const StaticSolution* guess) {

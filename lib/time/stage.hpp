@@ -39,6 +39,9 @@ struct Combination {
     bool operator==(const Combination&) const = default;
 };
 Matrix combined(const ContactProblem& problem, const Combination& combination);
+/// The solver's prepare for A and the problem's rows, of whatever kind they are.
+std::unique_ptr<PreparedContact> prepare_contact(const ContactSolver& solver, const Matrix& A,
+                                                 const ContactProblem& problem);
 
 /// Prepared contact solves, kept by the identity of M, D, K, B and the combination. Hand one workspace to the
 /// successive problems of a family, or to run after run, and they share factors, symbolic analyses and cached
@@ -61,14 +64,19 @@ private:
     std::vector<std::unique_ptr<Entry>> entries_;  // most recent first
 };
 
+class NewtonSolver;
+
 /// Solves stages of one problem:
 ///   (a^2 M + a D + K) u + r(u) = f(t) - M (b_v + a b_u) - D b_u + B' lambda,  contact conditions on u;  v = a u + b_u.
-/// Where there is an r, by Newton's method around the contact solve. Allocates only in its constructor, when the
-/// combination changes, and for tangents of r.
+/// Where there is an r, by Newton's method around the contact solve (newton.hpp); the certificate is that of the equations
+/// above. Allocates only in its constructor, when the combination changes, and for tangents of r.
+/// A load, a gap or an r(u) that is NaN or infinite ends `not_finite`, and the report's detail names it, its time and entry.
+/// NumericalError where no strategy takes the combined matrix; it names the matrix of K, M, D that is at fault, if one is.
 class StageSolver {
 public:
     /// Both must outlive the stage solver.
     StageSolver(const ContactProblem& problem, ContactWorkspace& workspace);
+    ~StageSolver();
 
     /// On entry `state` holds the guess, on a converged exit the solution at stage.t; else it is untouched.
     ContactReport solve(const Stage& stage, State& state);
@@ -77,15 +85,20 @@ public:
     /// f(t), one of its limits where it jumps. Valid until the next call of this object.
     const Vector& load(double t, Side side);
     /// Whether the last prepared contact solver profits from a guess of u.
-    bool reads_guess() const { return prepared_ && prepared_->reads_guess(); }
+    bool reads_guess() const { return newton_ || (prepared_ && prepared_->reads_guess()); }
 
 private:
-    ContactReport solve_contact(PreparedContact& contact, const ConstVectorRef& b, ContactPoint point) const;
-    ContactReport newton(const Combination& combination, const ConstVectorRef& rhs, ContactPoint point);
+    RowBounds rows() const;
+    void read_gap(double t);
+    void explain(const Combination& combination, double t, const ConstVectorRef& rhs, ContactReport& report);
+
     const ContactProblem& problem_;
     ContactWorkspace& workspace_;
     std::shared_ptr<PreparedContact> prepared_;
     Combination combination_;
+    std::unique_ptr<NewtonSolver> newton_;  // where there is an r
+    bool load_fails_ = false;               // what was evaluated last is not finite
+    bool gap_fails_ = false, upper_fails_ = false;
     Vector load_, gap_, upper_, rhs_, work_, scratch_;
 };
 
