@@ -12,18 +12,18 @@ constexpr double rounding = 1e-12;
 
 }  // namespace
 
-Derivative::Derivative(const ContactProblem& problem, ContactWorkspace& workspace)
-    : problem_(problem),
+Derivative::Derivative(const Shared<ContactProblem>& problem, const ContactWorkspace& workspace)
+    : owned_(problem),
       workspace_(workspace),
       stages_(problem, workspace),
-      force_(problem.size()),
-      work_(problem.size()),
-      gap_(problem.constraints()),
-      rate_(Vector::Zero(problem.constraints())),
-      bound_(problem.constraints()),
-      mu_(Vector::Zero(problem.constraints())),
-      solution_(problem.size()),
-      scratch_(problem.c.modes.cols()) {}
+      force_(problem->size()),
+      work_(problem->size()),
+      gap_(problem->constraints()),
+      rate_(Vector::Zero(problem->constraints())),
+      bound_(problem->constraints()),
+      mu_(Vector::Zero(problem->constraints())),
+      solution_(problem->size()),
+      scratch_(problem->c.modes.cols()) {}
 
 void Derivative::operator()(double t, const ConstVectorRef& y, VectorRef out) {
     const ContactProblem& p = problem_;

@@ -11,29 +11,29 @@ void check_restitution(const char* who, std::optional<double> e) {
         throw InputError(std::string(who) + ": restitution is " + std::to_string(*e) + ", expected from 0 to 1");
 }
 
-VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
-                                       bool energy_theorem)
-    : problem_(problem),
+VelocityProjection::VelocityProjection(const Shared<ContactProblem>& problem, const ContactWorkspace& workspace,
+                                       double restitution, bool energy_theorem)
+    : owned_(problem),
       workspace_(workspace),
       restitution_(restitution),
-      safeguard_((restitution > 0 || !energy_theorem) && problem.c.constant()),
-      closed_(problem.constraints()),
-      rate_(Vector::Zero(problem.constraints())),
-      off_(Vector::Constant(problem.constraints(), -infinity)),
-      impulse_(Vector::Zero(problem.constraints())),
-      none_(Vector::Zero(problem.constraints())),
-      work_(problem.size()),
-      difference_(problem.size()),
-      safe_v_(problem.size()),
-      safe_impulse_(problem.constraints()),
-      bound_(problem.constraints()),
-      jump_(problem.size()),
-      free_(problem.size()),
-      scratch_(std::max(problem.c.modes.cols(), problem.f.modes.cols())) {
+      safeguard_((restitution > 0 || !energy_theorem) && problem->c.constant()),
+      closed_(problem->constraints()),
+      rate_(Vector::Zero(problem->constraints())),
+      off_(Vector::Constant(problem->constraints(), -infinity)),
+      impulse_(Vector::Zero(problem->constraints())),
+      none_(Vector::Zero(problem->constraints())),
+      work_(problem->size()),
+      difference_(problem->size()),
+      safe_v_(problem->size()),
+      safe_impulse_(problem->constraints()),
+      bound_(problem->constraints()),
+      jump_(problem->size()),
+      free_(problem->size()),
+      scratch_(std::max(problem->c.modes.cols(), problem->f.modes.cols())) {
     check_restitution("VelocityProjection", restitution);
-    if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
-    if (const Vector* m = problem.M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
-    if (const DenseMatrix* B = problem.B.dense()) rows_ = B->transpose();
+    if (!problem->M) throw InputError("VelocityProjection: the problem has no M, expected one");
+    if (const Vector* m = problem->M->diagonal_entries()) inverse_mass_ = m->cwiseInverse();
+    if (const DenseMatrix* B = problem->B.dense()) rows_ = B->transpose();
 }
 
 void VelocityProjection::press(const ConstVectorRef& lambda, VectorRef out) const {

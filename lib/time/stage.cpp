@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace tact {
 
@@ -42,38 +44,45 @@ struct ContactWorkspace::Entry {
     }
 };
 
-ContactWorkspace::ContactWorkspace(std::shared_ptr<const ContactSolver> solver, std::size_t capacity)
-    : solver_(std::move(solver)), capacity_(std::max<std::size_t>(capacity, 1)) {
-    if (!solver_) throw InputError("ContactWorkspace: the contact solver is null");
-}
-ContactWorkspace::~ContactWorkspace() = default;
-ContactWorkspace::ContactWorkspace(ContactWorkspace&&) noexcept = default;
-ContactWorkspace& ContactWorkspace::operator=(ContactWorkspace&&) noexcept = default;
+struct ContactWorkspace::Kept {
+    Shared<ContactSolver> solver;
+    std::size_t capacity;
+    std::vector<std::unique_ptr<Entry>> entries = {};  // most recent first
+};
 
-std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem& p, const Combination& combination) {
-    const auto found = std::find_if(entries_.begin(), entries_.end(),
+ContactWorkspace::ContactWorkspace(Shared<ContactSolver> solver, std::size_t capacity) {
+    if (!solver) throw InputError("ContactWorkspace: the contact solver is null");
+    kept_ = std::make_shared<Kept>(Kept{std::move(solver), std::max<std::size_t>(capacity, 1)});
+}
+
+const ContactSolver& ContactWorkspace::solver() const { return *kept_->solver; }
+
+std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem& p,
+                                                            const Combination& combination) const {
+    auto& entries = kept_->entries;
+    const auto found = std::find_if(entries.begin(), entries.end(),
                                     [&](const auto& entry) { return entry->matches(p, combination); });
-    if (found != entries_.end()) {
-        std::rotate(entries_.begin(), found, found + 1);
-        return entries_.front()->contact;
+    if (found != entries.end()) {
+        std::rotate(entries.begin(), found, found + 1);
+        return entries.front()->contact;
     }
-    std::shared_ptr<PreparedContact> contact = solver_->prepare(combined(p, combination), p.B);
-    if (entries_.size() == capacity_) entries_.pop_back();
-    entries_.insert(entries_.begin(),
-                    std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, std::move(contact)}));
-    return entries_.front()->contact;
+    std::shared_ptr<PreparedContact> contact = kept_->solver->prepare(combined(p, combination), p.B);
+    if (entries.size() == kept_->capacity) entries.pop_back();
+    entries.insert(entries.begin(),
+                   std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, std::move(contact)}));
+    return entries.front()->contact;
 }
 
-StageSolver::StageSolver(const ContactProblem& problem, ContactWorkspace& workspace)
-    : problem_(problem),
-      workspace_(workspace),
-      load_(problem.size()),
-      gap_(problem.constraints()),
-      rhs_(problem.size()),
-      work_(problem.size()),
-      scratch_(std::max(problem.f.modes.cols(), problem.c.modes.cols())) {
-    if (problem.f.constant()) problem.f.evaluate(0, Side::right, scratch_, load_);
-    if (problem.constraints() > 0 && problem.c.constant()) problem.c.evaluate(0, Side::right, scratch_, gap_);
+StageSolver::StageSolver(Shared<ContactProblem> problem, ContactWorkspace workspace)
+    : owned_(std::move(problem)),
+      workspace_(std::move(workspace)),
+      load_(problem_.size()),
+      gap_(problem_.constraints()),
+      rhs_(problem_.size()),
+      work_(problem_.size()),
+      scratch_(std::max(problem_.f.modes.cols(), problem_.c.modes.cols())) {
+    if (problem_.f.constant()) problem_.f.evaluate(0, Side::right, scratch_, load_);
+    if (problem_.constraints() > 0 && problem_.c.constant()) problem_.c.evaluate(0, Side::right, scratch_, gap_);
 }
 
 const Vector& StageSolver::load(double t, Side side) {
@@ -151,10 +160,11 @@ ContactReport StageSolver::newton(const Combination& combination, const ConstVec
     return report;
 }
 
-StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace, const StaticSolution* guess) {
+StaticSolution solve_static(const ContactProblem& problem, const ContactWorkspace& workspace,
+                            const StaticSolution* guess) {
     if (!problem.is_static())
         throw InputError("solve_static: the problem has an M or a D, expected neither; use an integrator");
-    StageSolver stages(problem, workspace);
+    StageSolver stages(Shared<ContactProblem>::borrowed(problem), workspace);
     State state(problem);
     if (guess && guess->u.size() == state.y.size()) state.y = guess->u;
     if (guess && guess->lambda.size() == state.lambda.size()) state.lambda = guess->lambda;

@@ -1,11 +1,12 @@
 // One implicit stage of any integrator, contact included, and the work shared between stages and between runs.
 #pragma once
 
+#include <iosfwd>
 #include <memory>
-#include <vector>
 
 #include "../contact_solver.hpp"
 #include "../problem/contact_problem.hpp"
+#include "../shared.hpp"
 
 namespace tact {
 
@@ -42,23 +43,21 @@ Matrix combined(const ContactProblem& problem, const Combination& combination);
 
 /// Prepared contact solves, kept by the identity of M, D, K, B and the combination. Hand one workspace to the
 /// successive problems of a family, or to run after run, and they share factors, symbolic analyses and cached
-/// columns. Keeps the `capacity` most recently used. One thread at a time.
+/// columns. Keeps the `capacity` most recently used. A handle: copies share what is kept, and a run holds one of them. One
+/// thread at a time, copies included.
 class ContactWorkspace {
 public:
-    explicit ContactWorkspace(std::shared_ptr<const ContactSolver> solver, std::size_t capacity = 4);
-    ~ContactWorkspace();
-    ContactWorkspace(ContactWorkspace&&) noexcept;
-    ContactWorkspace& operator=(ContactWorkspace&&) noexcept;
+    /// InputError if `solver` is null.
+    explicit ContactWorkspace(Shared<ContactSolver> solver, std::size_t capacity = 4);
 
     /// The combined matrix, prepared with B; stays alive while its user holds it, evicted or not.
-    std::shared_ptr<PreparedContact> prepared(const ContactProblem& problem, const Combination& combination);
-    const ContactSolver& solver() const { return *solver_; }
+    std::shared_ptr<PreparedContact> prepared(const ContactProblem& problem, const Combination& combination) const;
+    const ContactSolver& solver() const;
 
 private:
     struct Entry;
-    std::shared_ptr<const ContactSolver> solver_;
-    std::size_t capacity_;
-    std::vector<std::unique_ptr<Entry>> entries_;  // most recent first
+    struct Kept;
+    std::shared_ptr<Kept> kept_;
 };
 
 /// Solves stages of one problem:
@@ -67,8 +66,8 @@ private:
 /// combination changes, and for tangents of r.
 class StageSolver {
 public:
-    /// Both must outlive the stage solver.
-    StageSolver(const ContactProblem& problem, ContactWorkspace& workspace);
+    /// Holds both.
+    StageSolver(Shared<ContactProblem> problem, ContactWorkspace workspace);
 
     /// On entry `state` holds the guess, on a converged exit the solution at stage.t; else it is untouched.
     ContactReport solve(const Stage& stage, State& state);
@@ -81,8 +80,9 @@ public:
 
 private:
     ContactReport newton(const Combination& combination, const ConstVectorRef& rhs, ContactPoint point);
-    const ContactProblem& problem_;
-    ContactWorkspace& workspace_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
+    ContactWorkspace workspace_;
     std::shared_ptr<PreparedContact> prepared_;
     Combination combination_;
     Vector load_, gap_, rhs_, work_, scratch_;
@@ -94,7 +94,11 @@ struct [[nodiscard]] StaticSolution {
     ContactReport report;
 };
 /// `guess`: a previous solution to start from. InputError unless the problem is static.
-StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace,
+StaticSolution solve_static(const ContactProblem& problem, const ContactWorkspace& workspace,
                             const StaticSolution* guess = nullptr);
+
+/// One line where all is well; else also what was tried and what to try.
+std::ostream& operator<<(std::ostream& out, const ContactReport& report);
+std::ostream& operator<<(std::ostream& out, const StaticSolution& solution);
 
 }  // namespace tact

@@ -2,7 +2,7 @@
 
 namespace tact {
 
-MarchReport run_by(const TrainingMethod& method, const ContactProblem& problem, ContactWorkspace& workspace,
+MarchReport run_by(const TrainingMethod& method, const ContactProblem& problem, const ContactWorkspace& workspace,
                    std::span<const Observer> observers) {
     if (method.integrator) return integrate(*method.integrator, problem, method.grid, workspace, observers);
     validate(problem);
