@@ -81,8 +81,12 @@ TEST(Door, KeepsTheSelectedStates) {
         EXPECT_EQ(some.times.size(), static_cast<Index>(some.steps.size()));
         for (std::size_t k = 0; k < some.steps.size(); ++k) {
             const Index row = static_cast<Index>(k);
-            if (keep.u) EXPECT_EQ(some.u(row, 0), all.u(some.steps[k], 0));
-            if (keep.v) EXPECT_EQ(some.v(row, 0), all.v(some.steps[k], 0));
+            if (keep.u) {
+                EXPECT_EQ(some.u(row, 0), all.u(some.steps[k], 0));
+            }
+            if (keep.v) {
+                EXPECT_EQ(some.v(row, 0), all.v(some.steps[k], 0));
+            }
             EXPECT_EQ(some.times[row], all.times[some.steps[k]]);
         }
         EXPECT_TRUE(some.report.final_state.y == all.report.final_state.y);

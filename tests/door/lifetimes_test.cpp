@@ -56,7 +56,7 @@ TEST(Lifetimes, ARunOwnsItsProblemAndItsWorkspace) {
     const TimeGrid grid{0.05, 20};
     for (const std::string& text : methods())
         for (const bool lumped : {true, false}) {
-            const std::unique_ptr<Run> run = registry().integrator(text)->start(masses(lumped), grid, workspace());
+            const auto run = registry().integrator(text)->start(masses(lumped), grid, workspace());
             const ContactProblem kept = masses(lumped);
             const MarchReport expected = integrate(*registry().integrator(text), kept, grid, workspace());
             ASSERT_EQ(expected.outcome, Outcome::converged) << text;
@@ -73,7 +73,7 @@ TEST(Lifetimes, ARunOwnsItsProblemAndItsWorkspace) {
 
 TEST(Lifetimes, ARunOwnsInternalForces) {
     for (const char* text : {"trapezoid", "bdf2", "bdf2-without-jump", "ida", "sdirk2"}) {
-        const std::unique_ptr<Run> run = registry().integrator(text)->start(hardening(), {0.05, 20}, workspace());
+        const auto run = registry().integrator(text)->start(hardening(), {0.05, 20}, workspace());
         while (run->state().t < 1) ASSERT_EQ(run->advance().outcome, Outcome::converged) << text;
     }
 }
