@@ -31,8 +31,11 @@ namespace {
 /// The options that Ida and Arkode share.
 template <class Options> Options step_control(NamedOptions& given) {
     Options options;
-    options.rtol = given.number("rtol", options.rtol);
-    options.atol = given.number("atol", 1e-3 * options.rtol);
+    if (const std::optional<double> rtol = given.number("rtol")) {
+        options.rtol = *rtol;
+        options.atol = *rtol / 1000;
+    }
+    options.atol = given.number("atol", options.atol);
     options.restitution = given.number("e");
     options.first_step = given.number("first_step", options.first_step);
     options.max_step = given.number("max_step", options.max_step);

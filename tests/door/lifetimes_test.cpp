@@ -6,6 +6,7 @@
 
 #include "../../contact/dense/dense_contact.hpp"
 #include "../../lib/scenes/membrane.hpp"
+#include "../../lib/sparse/cholmod_solver.hpp"
 #include "../../rom/error/static_error_bound.hpp"
 #include "../../rom/greedy/greedy.hpp"
 #include "../../rom/greedy/sampling.hpp"
@@ -130,7 +131,7 @@ TEST(Lifetimes, AReducedFamilyOwnsTheFullOne) {
 
     const std::unique_ptr<ContactFamily> reduced = reduce(MembraneFamily(12), result.basis);
     EXPECT_TRUE(reduced->at(gamma).c.at(0) == found.c.at(0));
-    const StaticErrorBound bound(MembraneFamily(12), result.basis, DenseLinearSolver(), workspace());
+    const StaticErrorBound bound(MembraneFamily(12), result.basis, CholmodSolver(), workspace());
     const StaticSolution solution = solve_static(found, workspace());
     EXPECT_GE(bound(gamma, solution.u, solution.lambda).error, 0);
     TrainingError error(MembraneFamily(12), {}, {std::make_shared<DenseContact>(), std::make_shared<DenseContact>()},

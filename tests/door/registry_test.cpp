@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "../../integrators/quasi_static.hpp"
+#include "../../integrators/sundials/ida.hpp"
 #include "../../integrators/trapezoid.hpp"
-#include "../../lib/time/scheme.hpp"
 
 namespace tact {
 namespace {
@@ -34,7 +36,7 @@ Vector fingerprint(const Integrator& method) {
         p.u0 = Vector::Zero(2);
         p.v0 = Vector::Zero(2);
     }
-    const MarchReport march = integrate(method, p, TimeGrid{0.05, 40}, *Scheme::named("bdf2", {}, "dense").contact);
+    const MarchReport march = integrate(method, p, TimeGrid{0.05, 40}, ContactWorkspace(registry().contact("dense")));
     Vector all(march.final_state.y.size() + 2);
     all << march.final_state.y, static_cast<double>(march.accepted_steps), march.final_state.lambda.sum();
     return all;
@@ -86,6 +88,8 @@ TEST(Registry, NamesTellIntegratorsApart) {
     EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
     EXPECT_EQ(registry().integrator("ida:newton=1")->name(), "ida:rtol=1e-04,atol=1e-07,newton=1");
     EXPECT_EQ(registry().integrator("trapezoid")->name(), "trapezoid:e=0");
+    EXPECT_EQ(registry().integrator("ida")->name(), Ida().name());
+    EXPECT_EQ(registry().integrator("ida-fixed")->name(), Ida::fixed_step().name());
     EXPECT_EQ(Trapezoid().name(), "trapezoid:e=0");
 }
 
