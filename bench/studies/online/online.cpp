@@ -45,7 +45,8 @@ ReducedModelData calibrated_model(const Setting& s, const TrainingResult& traine
     const Index p = trained.basis.primal_size(), n = trained.basis.U.rows();
     ReducedModelOptions options;
     if (s.method.integrator) options.method = {s.method.integrator->name(), s.method.grid};
-    options.check_rows = penetrated_rows(s.study.scene.family, trained.basis, s.method, s.contact, s.calibration, 2 * p);
+    options.check_rows =
+        penetrated_rows(s.study.scene.family, trained.basis, s.method, s.contact, s.calibration, 2 * p);
     const Index rows = 2 * p;
     for (Index k = 0; k < rows; ++k) options.check_unknowns.push_back((2 * k + 1) * n / (2 * rows));
     options.training = training_record(trained);
