@@ -12,19 +12,19 @@ constexpr double rounding = 1e-12;
 
 }  // namespace
 
-Derivative::Derivative(const ContactProblem& problem, ContactWorkspace& workspace)
-    : problem_(problem),
+Derivative::Derivative(const Shared<ContactProblem>& problem, const ContactWorkspace& workspace)
+    : owned_(problem),
       workspace_(workspace),
       stages_(problem, workspace),
-      force_(problem.size()),
-      work_(problem.size()),
-      gap_(problem.constraints()),
-      rate_(Vector::Zero(problem.constraints())),
-      bound_(problem.constraints()),
-      mu_(Vector::Zero(problem.constraints())),
-      solution_(problem.size()),
-      scratch_(problem.c.mode_count()) {
-    require_contact_rows("Derivative", problem);
+      force_(problem->size()),
+      work_(problem->size()),
+      gap_(problem->constraints()),
+      rate_(Vector::Zero(problem->constraints())),
+      bound_(problem->constraints()),
+      mu_(Vector::Zero(problem->constraints())),
+      solution_(problem->size()),
+      scratch_(problem->c.mode_count()) {
+    require_contact_rows("Derivative", *problem);
 }
 
 void Derivative::operator()(double t, const ConstVectorRef& y, VectorRef out) {

@@ -9,16 +9,17 @@ namespace tact {
 /// problems of first order D u' = f - K u - r(u) + B_C' mu with B_C u' >= 0.
 class Derivative {
 public:
-    /// Both must outlive it.
-    Derivative(const ContactProblem& problem, ContactWorkspace& workspace);
+    /// Holds both.
+    Derivative(const Shared<ContactProblem>& problem, const ContactWorkspace& workspace);
     /// out = y' at (t, y), t from the right. NumericalError if the contact solve does not converge.
     void operator()(double t, const ConstVectorRef& y, VectorRef out);
     /// mu of the last evaluation, m numbers.
     const Vector& multipliers() const { return mu_; }
 
 private:
-    const ContactProblem& problem_;
-    ContactWorkspace& workspace_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
+    ContactWorkspace workspace_;
     StageSolver stages_;
     Vector force_, work_, gap_, rate_, bound_, mu_, solution_, scratch_;
 };

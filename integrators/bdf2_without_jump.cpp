@@ -2,30 +2,30 @@
 
 #include <utility>
 
+#include "../lib/time/naming.hpp"
 #include "hermite.hpp"
 #include "impact.hpp"
-#include "naming.hpp"
 
 namespace tact {
 namespace {
 
 class WithoutJumpRun final : public Run {
 public:
-    WithoutJumpRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+    WithoutJumpRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace,
                    double restitution)
-        : problem_(problem),
+        : owned_(problem),
           grid_(grid),
           stages_(problem, workspace),
           velocity_(problem, workspace, restitution, false),
-          watches_energy_(problem.c.constant()),
-          now_(problem, grid.t0),
+          watches_energy_(problem->c.constant()),
+          now_(*problem, grid.t0),
           next_(now_),
           before_(now_.y),
           history_(now_.y.size()),
-          impulse_(problem.size()),
-          momentum_(problem.size()),
-          free_(problem.size()),
-          closing_(Vector::Zero(problem.constraints())) {}
+          impulse_(problem->size()),
+          momentum_(problem->size()),
+          free_(problem->size()),
+          closing_(Vector::Zero(problem->constraints())) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
@@ -135,7 +135,8 @@ private:
         oldest_ = older_;
     }
 
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     TimeGrid grid_;
     StageSolver stages_;
     VelocityProjection velocity_;
@@ -155,11 +156,11 @@ Bdf2WithoutJump::Bdf2WithoutJump(double restitution) : restitution_(restitution)
     check_restitution("Bdf2WithoutJump", restitution);
 }
 
-std::string Bdf2WithoutJump::name() const { return "BDF2 without jump e=" + short_number(restitution_); }
+std::string Bdf2WithoutJump::name() const { return WithOptions("bdf2-without-jump").add("e", restitution_).text(); }
 
-std::unique_ptr<Run> Bdf2WithoutJump::start(const ContactProblem& problem, const TimeGrid& grid,
-                                            ContactWorkspace& workspace) const {
-    if (!problem.second_order()) throw InputError("Bdf2WithoutJump: the problem has no M, expected one; use Bdf2");
+std::unique_ptr<Run> Bdf2WithoutJump::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                            const ContactWorkspace& workspace) const {
+    if (!problem->second_order()) throw InputError("Bdf2WithoutJump: the problem has no M, expected one; use Bdf2");
     return std::make_unique<WithoutJumpRun>(problem, grid, workspace, restitution_);
 }
 

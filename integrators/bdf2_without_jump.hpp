@@ -22,8 +22,8 @@ public:
     /// InputError unless 0 <= e <= 1.
     explicit Bdf2WithoutJump(double restitution = 0);
     std::string name() const override;
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 
 private:
     double restitution_;

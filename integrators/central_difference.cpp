@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "../lib/algebra/row_runs.hpp"
+#include "../lib/time/naming.hpp"
 #include "hermite.hpp"
 #include "impact.hpp"
 #include "jumping_load.hpp"
-#include "naming.hpp"
 
 namespace tact {
 namespace {
@@ -63,22 +63,23 @@ double lanczos(const ContactProblem& problem, VelocityProjection& mass) {
 
 class CentralRun final : public Run {
 public:
-    CentralRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace, double restitution)
-        : problem_(problem),
+    CentralRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace,
+               double restitution)
+        : owned_(problem),
           grid_(grid),
           stages_(problem, workspace),
           load_(problem, stages_),
-          stiffness_(problem.K),
-          mass_(workspace.prepared(problem, {1, 0, 0})),
+          stiffness_(problem->K),
+          mass_(workspace.prepared(*problem, {1, 0, 0})),
           velocity_(problem, workspace, restitution, true),
-          now_(problem, grid.t0),
+          now_(*problem, grid.t0),
           next_(now_),
-          force_(problem.size()),
-          momentum_(problem.size()),
-          work_(problem.size()),
-          bound_(problem.constraints()),
-          closing_(Vector::Zero(problem.constraints())),
-          scratch_(problem.c.mode_count()) {}
+          force_(problem->size()),
+          momentum_(problem->size()),
+          work_(problem->size()),
+          bound_(problem->constraints()),
+          closing_(Vector::Zero(problem->constraints())),
+          scratch_(problem->c.mode_count()) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
@@ -153,7 +154,8 @@ private:
         force_ -= load_.before(t, grid_.dt);
     }
 
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     TimeGrid grid_;
     StageSolver stages_;
     JumpingLoad load_;
@@ -179,9 +181,12 @@ CentralDifference::CentralDifference(double restitution) : restitution_(restitut
     check_restitution("CentralDifference", restitution);
 }
 
-std::string CentralDifference::name() const { return "central differences e=" + short_number(restitution_); }
+std::string CentralDifference::name() const {
+    return WithOptions("central-difference").add("e", restitution_).text();
+}
 
-double CentralDifference::largest_step(const ContactProblem& problem, ContactWorkspace& workspace, double wanted) {
+double CentralDifference::largest_step(const ContactProblem& problem, const ContactWorkspace& workspace,
+                                       double wanted) {
     check_problem(problem);
     constexpr double rounding = 1e-10;
     double safe = 0;
@@ -189,14 +194,14 @@ double CentralDifference::largest_step(const ContactProblem& problem, ContactWor
         safe = 2 / std::sqrt(circles(problem.K, *mass));
         if (wanted <= safe * (1 + rounding)) return std::max(safe, wanted);
     }
-    VelocityProjection velocity(problem, workspace, 0, true);
+    VelocityProjection velocity(Shared<ContactProblem>::borrowed(problem), workspace, 0, true);
     return std::max(safe, 2 / std::sqrt(lanczos(problem, velocity)));
 }
 
-std::unique_ptr<Run> CentralDifference::start(const ContactProblem& problem, const TimeGrid& grid,
-                                              ContactWorkspace& workspace) const {
-    require_contact_rows("CentralDifference", problem);
-    const double largest = largest_step(problem, workspace, grid.dt);
+std::unique_ptr<Run> CentralDifference::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                              const ContactWorkspace& workspace) const {
+    require_contact_rows("CentralDifference", *problem);
+    const double largest = largest_step(*problem, workspace, grid.dt);
     if (!(grid.dt <= largest))
         throw InputError("CentralDifference: dt is " + short_number(grid.dt) + ", expected at most " +
                          short_number(largest) + " = 2 / the largest natural frequency");

@@ -23,12 +23,13 @@ public:
     /// InputError unless 0 <= e <= 1.
     explicit CentralDifference(double restitution = 0);
     std::string name() const override;
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 
     /// 2 / omega, rather too small than too large: by Gershgorin's circles where M is diagonal and they find `wanted`
     /// stable, else by Lanczos steps until the largest Ritz value is known to 1e-4 (400 at most).
-    static double largest_step(const ContactProblem& problem, ContactWorkspace& workspace, double wanted = infinity);
+    static double largest_step(const ContactProblem& problem, const ContactWorkspace& workspace,
+                               double wanted = infinity);
 
 private:
     double restitution_;

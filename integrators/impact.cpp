@@ -11,32 +11,32 @@ void check_restitution(const char* who, std::optional<double> e) {
         throw InputError(std::string(who) + ": restitution is " + shown(*e) + ", expected from 0 to 1");
 }
 
-VelocityProjection::VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
-                                       bool energy_theorem)
-    : problem_(problem),
+VelocityProjection::VelocityProjection(const Shared<ContactProblem>& problem, const ContactWorkspace& workspace,
+                                       double restitution, bool energy_theorem)
+    : owned_(problem),
       workspace_(workspace),
       restitution_(restitution),
-      safeguard_((restitution > 0 || !energy_theorem) && problem.c.constant()),
-      closed_(problem.constraints()),
-      rate_(Vector::Zero(problem.constraints())),
-      off_(Vector::Constant(problem.constraints(), -infinity)),
-      impulse_(Vector::Zero(problem.constraints())),
-      none_(Vector::Zero(problem.constraints())),
-      work_(problem.size()),
-      difference_(problem.size()),
-      safe_v_(problem.size()),
-      safe_impulse_(problem.constraints()),
-      bound_(problem.constraints()),
-      jump_(problem.size()),
-      free_(problem.size()),
-      scratch_(std::max(problem.c.mode_count(), problem.f.mode_count())) {
+      safeguard_((restitution > 0 || !energy_theorem) && problem->c.constant()),
+      closed_(problem->constraints()),
+      rate_(Vector::Zero(problem->constraints())),
+      off_(Vector::Constant(problem->constraints(), -infinity)),
+      impulse_(Vector::Zero(problem->constraints())),
+      none_(Vector::Zero(problem->constraints())),
+      work_(problem->size()),
+      difference_(problem->size()),
+      safe_v_(problem->size()),
+      safe_impulse_(problem->constraints()),
+      bound_(problem->constraints()),
+      jump_(problem->size()),
+      free_(problem->size()),
+      scratch_(std::max(problem->c.mode_count(), problem->f.mode_count())) {
     check_restitution("VelocityProjection", restitution);
-    require_contact_rows("an impact law", problem);
-    if (!problem.M) throw InputError("VelocityProjection: the problem has no M, expected one");
+    require_contact_rows("an impact law", *problem);
+    if (!problem->M) throw InputError("VelocityProjection: the problem has no M, expected one");
     // No force gives a massless unknown a velocity: it is 0 but for what the rows make of it.
-    if (const Vector* m = problem.M->diagonal_entries())
+    if (const Vector* m = problem->M->diagonal_entries())
         inverse_mass_ = m->unaryExpr([](double mass) { return mass == 0 ? 0 : 1 / mass; });
-    if (const DenseMatrix* B = problem.B.dense()) rows_ = B->transpose();
+    if (const DenseMatrix* B = problem->B.dense()) rows_ = B->transpose();
 }
 
 void VelocityProjection::press(const ConstVectorRef& lambda, VectorRef out) const {

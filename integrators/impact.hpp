@@ -18,8 +18,8 @@ void check_restitution(const char* who, std::optional<double> e);
 /// balance asks.
 class VelocityProjection {
 public:
-    /// Both must outlive it. InputError unless 0 <= e <= 1 and the problem has an M.
-    VelocityProjection(const ContactProblem& problem, ContactWorkspace& workspace, double restitution,
+    /// Holds both. InputError unless 0 <= e <= 1 and the problem has an M.
+    VelocityProjection(const Shared<ContactProblem>& problem, const ContactWorkspace& workspace, double restitution,
                        bool energy_theorem);
 
     /// out = B'lambda, by the rows that press.
@@ -37,8 +37,9 @@ private:
     ContactReport solve(const ConstVectorRef& w, VectorRef v, VectorRef impulse);
     ContactReport keep_energy(const State& before, State& next);
 
-    const ContactProblem& problem_;
-    ContactWorkspace& workspace_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
+    ContactWorkspace workspace_;
     double restitution_;
     bool safeguard_;
     Vector inverse_mass_;  // of a diagonal M

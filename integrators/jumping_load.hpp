@@ -11,7 +11,7 @@ namespace tact {
 /// f(t) just before and just after t. Steps whose time is a jump's to rounding end at the jump itself.
 class JumpingLoad {
 public:
-    JumpingLoad(const ContactProblem& problem, StageSolver& stages) : problem_(problem), stages_(stages) {}
+    JumpingLoad(const Shared<ContactProblem>& problem, StageSolver& stages) : owned_(problem), stages_(stages) {}
     const Vector& before(double t, double h) { return stages_.load(near(t, h), Side::left); }
     const Vector& after(double t, double h) { return stages_.load(near(t, h), Side::right); }
     bool jumps(double t, double h) const {
@@ -26,7 +26,8 @@ private:
             if (std::abs(jump - t) <= close * h) return jump;
         return t;
     }
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     StageSolver& stages_;
 };
 

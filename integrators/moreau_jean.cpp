@@ -3,33 +3,33 @@
 #include <utility>
 
 #include "../lib/algebra/row_runs.hpp"
+#include "../lib/time/naming.hpp"
 #include "hermite.hpp"
 #include "impact.hpp"
-#include "naming.hpp"
 
 namespace tact {
 namespace {
 
 class MoreauJeanRun final : public Run {
 public:
-    MoreauJeanRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+    MoreauJeanRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace,
                   const MoreauJean::Options& options)
-        : problem_(problem),
+        : owned_(problem),
           grid_(grid),
           theta_(options.theta),
           restitution_(options.restitution),
           stages_(problem, workspace),
-          stiffness_(problem.K),
-          prepared_(workspace.prepared(problem, {1, grid.dt * theta_, grid.dt * grid.dt * theta_ * theta_})),
-          now_(problem, grid.t0),
+          stiffness_(problem->K),
+          prepared_(workspace.prepared(*problem, {1, grid.dt * theta_, grid.dt * grid.dt * theta_ * theta_})),
+          now_(*problem, grid.t0),
           next_(now_),
-          b_(problem.size()),
-          work_(problem.size()),
-          impulse_(Vector::Zero(problem.constraints())),
-          gap_(problem.constraints()),
-          bound_(problem.constraints()),
-          rate_(Vector::Zero(problem.constraints())),
-          scratch_(problem.c.mode_count()) {}
+          b_(problem->size()),
+          work_(problem->size()),
+          impulse_(Vector::Zero(problem->constraints())),
+          gap_(problem->constraints()),
+          bound_(problem->constraints()),
+          rate_(Vector::Zero(problem->constraints())),
+          scratch_(problem->c.mode_count()) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
@@ -85,7 +85,8 @@ private:
         impulse_ = impulse_.cwiseProduct(closed_);
     }
 
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     TimeGrid grid_;
     double theta_, restitution_;
     StageSolver stages_;
@@ -104,14 +105,14 @@ MoreauJean::MoreauJean(const Options& options) : options_(options) {
 }
 
 std::string MoreauJean::name() const {
-    return "Moreau-Jean theta=" + short_number(options_.theta) + " e=" + short_number(options_.restitution);
+    return WithOptions("moreau-jean").add("theta", options_.theta).add("e", options_.restitution).text();
 }
 
-std::unique_ptr<Run> MoreauJean::start(const ContactProblem& problem, const TimeGrid& grid,
-                                       ContactWorkspace& workspace) const {
-    require_contact_rows("MoreauJean", problem);
-    if (!problem.second_order()) throw InputError("MoreauJean: the problem has no M, expected one");
-    if (problem.r) throw InputError("MoreauJean: the problem has an r, expected linear internal forces");
+std::unique_ptr<Run> MoreauJean::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                       const ContactWorkspace& workspace) const {
+    require_contact_rows("MoreauJean", *problem);
+    if (!problem->second_order()) throw InputError("MoreauJean: the problem has no M, expected one");
+    if (problem->r) throw InputError("MoreauJean: the problem has an r, expected linear internal forces");
     return std::make_unique<MoreauJeanRun>(problem, grid, workspace, options_);
 }
 

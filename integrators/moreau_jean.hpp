@@ -22,8 +22,8 @@ public:
     explicit MoreauJean(const Options& options);
     std::string name() const override;
     /// InputError for problems without M or with an r.
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 
 private:
     Options options_;

@@ -9,8 +9,8 @@ namespace {
 
 class QuasiStaticRun final : public Run {
 public:
-    QuasiStaticRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace)
-        : grid_(grid), stages_(problem, workspace), now_(problem, grid.t0), next_(now_) {}
+    QuasiStaticRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace)
+        : grid_(grid), stages_(problem, workspace), now_(*problem, grid.t0), next_(now_) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
@@ -36,9 +36,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Run> QuasiStatic::start(const ContactProblem& problem, const TimeGrid& grid,
-                                        ContactWorkspace& workspace) const {
-    if (!problem.is_static())
+std::unique_ptr<Run> QuasiStatic::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                        const ContactWorkspace& workspace) const {
+    if (!problem->is_static())
         throw InputError("QuasiStatic: the problem has an M or a D, expected neither; use another integrator");
     return std::make_unique<QuasiStaticRun>(problem, grid, workspace);
 }

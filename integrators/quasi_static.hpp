@@ -10,8 +10,8 @@ namespace tact {
 class QuasiStatic final : public Integrator {
 public:
     std::string name() const override { return "quasi-static"; }
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 };
 
 }  // namespace tact

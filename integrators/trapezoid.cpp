@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "../lib/algebra/row_runs.hpp"
+#include "../lib/time/naming.hpp"
 #include "hermite.hpp"
 #include "impact.hpp"
 #include "jumping_load.hpp"
-#include "naming.hpp"
 
 namespace tact {
 namespace {
@@ -26,19 +26,19 @@ struct Alpha {
 /// What the two orders in time share: states, guesses, K u + r(u).
 class TrapezoidRun : public Run {
 public:
-    TrapezoidRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace)
-        : problem_(problem),
+    TrapezoidRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace)
+        : owned_(problem),
           grid_(grid),
           stages_(problem, workspace),
           load_(problem, stages_),
-          stiffness_(problem.K),
-          now_(problem, grid.t0),
+          stiffness_(problem->K),
+          now_(*problem, grid.t0),
           next_(now_),
-          rhs_(problem.size()),
-          internal_(problem.size()),
-          work_(problem.size()),
-          force_(problem.size()),
-          closing_(Vector::Zero(problem.constraints())) {}
+          rhs_(problem->size()),
+          internal_(problem->size()),
+          work_(problem->size()),
+          force_(problem->size()),
+          closing_(Vector::Zero(problem->constraints())) {}
 
     const State& state() const override { return now_; }
     void dense(double t, State& out) const override { interpolate(next_, now_, t, out); }
@@ -80,7 +80,8 @@ protected:
         return report;
     }
 
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     TimeGrid grid_;
     StageSolver stages_;
     JumpingLoad load_;
@@ -93,13 +94,13 @@ protected:
 
 class SecondOrderRun final : public TrapezoidRun {
 public:
-    SecondOrderRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+    SecondOrderRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace,
                    const Trapezoid::Options& options)
         : TrapezoidRun(problem, grid, workspace),
           damped_(options.rho < 1),
           alpha_(options.rho),
-          velocity_(problem, workspace, options.restitution, !damped_ && !problem.r),
-          momentum_(problem.size()) {
+          velocity_(problem, workspace, options.restitution, !damped_ && !problem->r),
+          momentum_(problem->size()) {
         const double h = grid.dt;
         combination_ = {(1 - alpha_.m) / ((1 - alpha_.f) * h * h * alpha_.beta), alpha_.gamma / (h * alpha_.beta), 1};
     }
@@ -223,15 +224,14 @@ Trapezoid::Trapezoid(const Options& options) : options_(options) {
 }
 
 std::string Trapezoid::name() const {
-    std::string name = options_.rho == 1 ? "trapezoid" : "generalised alpha rho=" + short_number(options_.rho);
-    return name + " e=" + short_number(options_.restitution);
+    return WithOptions("trapezoid").add_unless(1, "rho", options_.rho).add("e", options_.restitution).text();
 }
 
-std::unique_ptr<Run> Trapezoid::start(const ContactProblem& problem, const TimeGrid& grid,
-                                      ContactWorkspace& workspace) const {
-    if (problem.is_static())
+std::unique_ptr<Run> Trapezoid::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                      const ContactWorkspace& workspace) const {
+    if (problem->is_static())
         throw InputError("Trapezoid: the problem has neither M nor D, expected one; use QuasiStatic");
-    if (problem.second_order()) return std::make_unique<SecondOrderRun>(problem, grid, workspace, options_);
+    if (problem->second_order()) return std::make_unique<SecondOrderRun>(problem, grid, workspace, options_);
     if (options_.rho < 1)
         throw InputError("Trapezoid: rho is " + shown(options_.rho) + " on a problem of first order, expected 1");
     return std::make_unique<FirstOrderRun>(problem, grid, workspace);

@@ -32,8 +32,8 @@ public:
     explicit Trapezoid(const Options& options);
 
     std::string name() const override;
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 
 private:
     Options options_;

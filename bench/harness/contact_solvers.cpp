@@ -1,38 +1,25 @@
 #include "contact_solvers.hpp"
 
-#include "../../contact/automatic.hpp"
-#include "../../contact/dense/dense_contact.hpp"
-#include "../../contact/dense/orthogonal_contact.hpp"
-#include "../../contact/strategies/colour_sor.hpp"
-#include "../../contact/strategies/klu_active_set.hpp"
-#include "../../contact/strategies/multigrid_active_set.hpp"
-#include "../../contact/strategies/projected_cg.hpp"
-#include "../../contact/strategies/schur_contact.hpp"
-#include "../peers/interior_point.hpp"
+#include <algorithm>
+
+#include "methods.hpp"
 
 namespace tact::bench {
 
 const std::vector<NamedSolver>& contact_solvers() {
     static const std::vector<NamedSolver> all = [] {
-        std::vector<NamedSolver> solvers{
-            {"chooser", std::make_shared<AutomaticContact>()}, {"klu-active-set", std::make_shared<KluActiveSet>()},
-            {"schur", std::make_shared<SchurContact>()},       {"projected-cg", std::make_shared<ProjectedCg>()},
-            {"colour-sor", std::make_shared<ColourSor>()},     {"multigrid", std::make_shared<MultigridActiveSet>()},
-            {"dense", std::make_shared<DenseContact>()},       {"orthogonal", std::make_shared<OrthogonalContact>()},
-        };
-        if (auto ipopt = interior_point()) solvers.push_back({"ipopt", std::move(ipopt), true});
+        std::vector<NamedSolver> solvers;
+        for (const char* name :
+             {"chooser", "klu-active-set", "schur", "projected-cg", "colour-sor", "multigrid", "dense", "orthogonal"})
+            solvers.push_back({name, contact_solver(name)});
+        const std::vector<std::string> names = registry().contacts();
+        if (std::ranges::find(names, "ipopt") != names.end())
+            solvers.push_back({"ipopt", contact_solver("ipopt"), true});
         return solvers;
     }();
     return all;
 }
 
-std::shared_ptr<const ContactSolver> contact_solver(std::string_view name) {
-    std::string names;
-    for (const NamedSolver& each : contact_solvers()) {
-        if (each.name == name) return each.solver;
-        names += (names.empty() ? "" : ", ") + each.name;
-    }
-    throw InputError("contact_solver: name is " + std::string(name) + ", expected one of " + names);
-}
+std::shared_ptr<const ContactSolver> contact_solver(std::string_view name) { return registry().contact(name); }
 
 }  // namespace tact::bench

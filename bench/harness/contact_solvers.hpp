@@ -1,4 +1,4 @@
-// Contact solvers by name: every strategy, the chooser, and the interior point where it was built in.
+// The contact solvers that studies compare.
 #pragma once
 
 #include <memory>
@@ -16,10 +16,10 @@ struct NamedSolver {
     bool peer = false;  ///< not ours
 };
 
-/// "chooser" first, then the strategies, then the peers that are linked in.
+/// "chooser" first, then strategies of the registry, then the peers that are linked in.
 const std::vector<NamedSolver>& contact_solvers();
 
-/// InputError that lists the names for another one.
+/// Any of the registry (methods.hpp), as Registry::contact.
 std::shared_ptr<const ContactSolver> contact_solver(std::string_view name);
 
 }  // namespace tact::bench

@@ -106,7 +106,7 @@ TrainingResult train_with_progress(const PaperStudy& study, const TrainingMethod
         progress.at(at.iteration - 1 + share);
         return Flow::proceed;
     };
-    TrainingResult result = train(*study.scene.family, method,
+    TrainingResult result = train(study.scene.family, method,
                                   {std::make_shared<AutomaticContact>(),
                                    std::make_shared<DenseContact>(DenseContactOptions{.compliance = compliance})},
                                   options);

@@ -29,7 +29,7 @@ inline Trained trained(const char* name, Index n, BasisSizes sizes, int samples,
     options.sizes = [sizes](int) { return sizes; };
     options.dual_basis = std::move(dual_basis);
     if (!family.names().empty()) options.candidates = tensor_grid(family.lower(), family.upper(), {3, 3});
-    model.result = train(family, {model.scheme.integrator, model.scheme.grid},
+    model.result = train(model.scene.family, {model.scheme.integrator, model.scheme.grid},
                          {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
     return model;
 }

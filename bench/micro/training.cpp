@@ -93,7 +93,7 @@ void indicator(benchmark::State& state, IndicatorWeights weights) {
     ContactWorkspace workspace(std::make_shared<DenseContact>());
     const std::vector<Observer> record{recorder.observer(reduced)};
     (void)integrate(*all.scheme.integrator, reduced, all.scheme.grid, workspace, record);
-    const Indicator judge(*all.scene.family, basis, weights);
+    const Indicator judge(all.scene.family, basis, weights);
     state.counters["steps"] = static_cast<double>(recorder.states().size());
     for (auto _ : state) benchmark::DoNotOptimize(judge(all.gamma, reduced, recorder.states()));
 }

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "../../lib/time/naming.hpp"
 #include "../impact.hpp"
-#include "../naming.hpp"
 #include "../step_control.hpp"
 #include "arkode_run.hpp"
 
@@ -25,24 +25,26 @@ Arkode::Arkode(ButcherTable table, const Options& options)
 }
 
 std::string Arkode::name() const {
-    std::string name = "ARKODE " + table_.name;
-    if (adaptive_) name += " rtol=" + short_number(options_.rtol);
-    if (options_.restitution) name += " e=" + short_number(*options_.restitution);
-    return options_.newton ? name + " Newton" : name;
+    WithOptions name(table_.name);
+    if (adaptive_)
+        add_step_control(name, options_);
+    else if (options_.restitution)
+        name.add("e", *options_.restitution);
+    return name.text();
 }
 
-std::unique_ptr<Run> Arkode::start(const ContactProblem& problem, const TimeGrid& grid,
-                                   ContactWorkspace& workspace) const {
-    if (problem.is_static())
+std::unique_ptr<Run> Arkode::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                   const ContactWorkspace& workspace) const {
+    if (problem->is_static())
         throw InputError("Arkode: the problem has neither M nor D, expected one; use QuasiStatic");
-    if (options_.restitution && !problem.second_order())
+    if (options_.restitution && !problem->second_order())
         throw InputError("Arkode: restitution on a problem without M, expected none");
-    if (problem.constraints() > 0) {
+    if (problem->constraints() > 0) {
         if (!table_.stiffly_accurate())
             throw InputError("Arkode: table " + table_.name +
                              " is not stiffly accurate, expected its last row of A to be b under contact");
         if (options_.newton)
-            throw InputError("Arkode: newton with " + std::to_string(problem.constraints()) +
+            throw InputError("Arkode: newton with " + std::to_string(problem->constraints()) +
                              " contact constraints, expected none; leave it off");
     }
     return sundials::arkode_run(problem, grid, workspace, table_, options_, adaptive_);

@@ -40,8 +40,8 @@ public:
     std::string name() const override;
     bool adaptive() const override { return adaptive_; }
     /// InputError for static problems, and under contact if the table is not stiffly accurate.
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 
 private:
     ButcherTable table_;

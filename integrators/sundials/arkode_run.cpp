@@ -34,16 +34,16 @@ StageData stage_data(void* arkode) {
 
 class ArkodeRun final : public Run, private StageHook::Client, private LinearHook::Client {
 public:
-    ArkodeRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+    ArkodeRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace,
               const ButcherTable& table, const Arkode::Options& options, bool adaptive)
-        : problem_(problem),
+        : owned_(problem),
           grid_(grid),
           workspace_(workspace),
           options_(options),
           adaptive_(adaptive),
           derivative_(problem, workspace),
           stages_(problem, workspace),
-          now_(problem, grid.t0),
+          now_(*problem, grid.t0),
           next_(now_),
           before_t_(grid.t0),
           history_(now_.y.size()),
@@ -334,9 +334,10 @@ private:
         return report;
     }
 
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     TimeGrid grid_;
-    ContactWorkspace& workspace_;
+    ContactWorkspace workspace_;
     Arkode::Options options_;
     bool adaptive_;
     Context context_;
@@ -373,8 +374,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Run> arkode_run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
-                                const ButcherTable& table, const Arkode::Options& options, bool adaptive) {
+std::unique_ptr<Run> arkode_run(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                const ContactWorkspace& workspace, const ButcherTable& table,
+                                const Arkode::Options& options, bool adaptive) {
     return std::make_unique<ArkodeRun>(problem, grid, workspace, table, options, adaptive);
 }
 

@@ -11,10 +11,10 @@ namespace {
 
 class Bdf2Run final : public Run, private sundials::StageHook::Client {
 public:
-    Bdf2Run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace)
+    Bdf2Run(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace)
         : grid_(grid),
           stages_(problem, workspace),
-          now_(problem, grid.t0),
+          now_(*problem, grid.t0),
           next_(now_),
           before_(now_.y),
           history_(Vector::Zero(now_.y.size())),
@@ -97,13 +97,13 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Run> Bdf2::start(const ContactProblem& problem, const TimeGrid& grid,
-                                 ContactWorkspace& workspace) const {
-    if (problem.is_static())
+std::unique_ptr<Run> Bdf2::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                 const ContactWorkspace& workspace) const {
+    if (problem->is_static())
         throw InputError("Bdf2: the problem has neither M nor D, expected one; use solve_static");
-    if (problem.u0.size() != problem.size())
-        throw InputError("Bdf2: u0 is " + std::to_string(problem.u0.size()) + "x1, expected " +
-                         std::to_string(problem.size()) + "x1");
+    if (problem->u0.size() != problem->size())
+        throw InputError("Bdf2: u0 is " + std::to_string(problem->u0.size()) + "x1, expected " +
+                         std::to_string(problem->size()) + "x1");
     return std::make_unique<Bdf2Run>(problem, grid, workspace);
 }
 

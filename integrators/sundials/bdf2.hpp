@@ -12,9 +12,9 @@ namespace tact {
 /// stage a SUNNonlinearSolver; nothing is allocated after the first two steps. InputError for static problems.
 class Bdf2 final : public Integrator {
 public:
-    std::string name() const override { return "BDF2"; }
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::string name() const override { return "bdf2"; }
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 };
 
 }  // namespace tact

@@ -54,7 +54,7 @@ void validate(const ButcherTable& table) {
 ButcherTable sdirk2() {
     const double gamma = 1 - 1 / std::sqrt(2.0);
     ButcherTable table;
-    table.name = "SDIRK2";
+    table.name = "sdirk2";
     table.order = 2;
     table.embedded_order = 1;
     table.A = DenseMatrix{{gamma, 0}, {1 - gamma, gamma}};
@@ -65,8 +65,8 @@ ButcherTable sdirk2() {
     return table;
 }
 
-ButcherTable tr_bdf2() { return sundials::load_dirk("TR-BDF2", "ARKODE_TRBDF2_3_3_2"); }
-ButcherTable esdirk32() { return sundials::load_dirk("ESDIRK3(2)", "ARKODE_ARK324L2SA_DIRK_4_2_3"); }
-ButcherTable sdirk54() { return sundials::load_dirk("SDIRK 5(3)4", "ARKODE_SDIRK_5_3_4"); }
+ButcherTable tr_bdf2() { return sundials::load_dirk("tr-bdf2", "ARKODE_TRBDF2_3_3_2"); }
+ButcherTable esdirk32() { return sundials::load_dirk("esdirk32", "ARKODE_ARK324L2SA_DIRK_4_2_3"); }
+ButcherTable sdirk54() { return sundials::load_dirk("sdirk54", "ARKODE_SDIRK_5_3_4"); }
 
 }  // namespace tact

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "../../lib/time/naming.hpp"
 #include "../impact.hpp"
-#include "../naming.hpp"
 #include "../step_control.hpp"
 #include "ida_run.hpp"
 
@@ -24,21 +24,21 @@ Ida Ida::fixed_step() {
 }
 
 std::string Ida::name() const {
-    if (fixed_) return "IDA fixed step";
-    std::string name = "IDA rtol=" + short_number(options_.rtol);
-    if (options_.max_order != 2) name += " order<=" + std::to_string(options_.max_order);
-    if (options_.restitution) name += " e=" + short_number(*options_.restitution);
-    return options_.newton ? name + " Newton" : name;
+    if (fixed_) return "ida-fixed";
+    WithOptions name("ida");
+    add_step_control(name, options_);
+    name.add_unless(2, "order", options_.max_order);
+    return name.text();
 }
 
-std::unique_ptr<Run> Ida::start(const ContactProblem& problem, const TimeGrid& grid,
-                                ContactWorkspace& workspace) const {
-    require_contact_rows("Ida", problem);
-    if (problem.is_static()) throw InputError("Ida: the problem has neither M nor D, expected one; use QuasiStatic");
-    if (options_.restitution && !problem.second_order())
+std::unique_ptr<Run> Ida::start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                const ContactWorkspace& workspace) const {
+    require_contact_rows("Ida", *problem);
+    if (problem->is_static()) throw InputError("Ida: the problem has neither M nor D, expected one; use QuasiStatic");
+    if (options_.restitution && !problem->second_order())
         throw InputError("Ida: restitution on a problem without M, expected none");
-    if (options_.newton && problem.constraints() > 0)
-        throw InputError("Ida: newton with " + std::to_string(problem.constraints()) +
+    if (options_.newton && problem->constraints() > 0)
+        throw InputError("Ida: newton with " + std::to_string(problem->constraints()) +
                          " contact constraints, expected none; leave it off");
     return sundials::ida_run(problem, grid, workspace, options_, fixed_);
 }

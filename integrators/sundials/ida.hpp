@@ -42,8 +42,8 @@ public:
     std::string name() const override;
     bool adaptive() const override { return !fixed_; }
     /// InputError for static problems.
-    std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                               ContactWorkspace& workspace) const override;
+    std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                               const ContactWorkspace& workspace) const override;
 
 private:
     Options options_;

@@ -50,15 +50,15 @@ NonlinearData nonlinear_data(void* ida) {
 
 class IdaRun final : public Run, private StageHook::Client, private LinearHook::Client {
 public:
-    IdaRun(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
+    IdaRun(const Shared<ContactProblem>& problem, const TimeGrid& grid, const ContactWorkspace& workspace,
            const Ida::Options& options, bool fixed)
-        : problem_(problem),
+        : owned_(problem),
           grid_(grid),
           workspace_(workspace),
           options_(options),
           fixed_(fixed),
           stages_(problem, workspace),
-          now_(problem, grid.t0),
+          now_(*problem, grid.t0),
           next_(now_),
           before_t_(grid.t0),
           history_(now_.y.size()),
@@ -364,9 +364,10 @@ private:
         return report;
     }
 
-    const ContactProblem& problem_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
     TimeGrid grid_;
-    ContactWorkspace& workspace_;
+    ContactWorkspace workspace_;
     Ida::Options options_;
     bool fixed_;
     Context context_;
@@ -399,8 +400,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Run> ida_run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
-                             const Ida::Options& options, bool fixed) {
+std::unique_ptr<Run> ida_run(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                             const ContactWorkspace& workspace, const Ida::Options& options, bool fixed) {
     return std::make_unique<IdaRun>(problem, grid, workspace, options, fixed);
 }
 

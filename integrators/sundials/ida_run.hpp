@@ -6,7 +6,7 @@
 namespace tact::sundials {
 
 /// A run of Ida: `fixed` at the grid's dt.
-std::unique_ptr<Run> ida_run(const ContactProblem& problem, const TimeGrid& grid, ContactWorkspace& workspace,
-                             const Ida::Options& options, bool fixed);
+std::unique_ptr<Run> ida_run(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                             const ContactWorkspace& workspace, const Ida::Options& options, bool fixed);
 
 }  // namespace tact::sundials

@@ -1,5 +1,7 @@
 #include "energy.hpp"
 
+#include <utility>
+
 namespace tact {
 
 Energy energy_of(const ContactProblem& p, const State& state) {
@@ -17,44 +19,57 @@ Energy energy_of(const ContactProblem& p, const State& state) {
     return e;
 }
 
-EnergyLedger::EnergyLedger(const ContactProblem& problem)
-    : problem_(problem),
-      work_(problem.size()),
-      gap_rate_(problem.constraints()),
-      load_left_(problem.size()),
-      load_right_(problem.size()),
-      scratch_(problem.f.mode_count()) {}
+struct EnergyLedger::Record {
+    explicit Record(Shared<ContactProblem> owned)
+        : problem(std::move(owned)),
+          work(problem->size()),
+          gap_rate(problem->constraints()),
+          load_left(problem->size()),
+          load_right(problem->size()),
+          scratch(problem->f.mode_count()) {}
 
-void EnergyLedger::record(const State& state) {
-    Energy e = energy_of(problem_, state);
-    if (!history_.empty()) {
-        const Energy& last = history_.back();
-        const Vector du = state.u() - u_;
-        problem_.f.evaluate(last.t, Side::right, scratch_, load_left_);
-        problem_.f.evaluate(state.t, Side::left, scratch_, load_right_);
-        const double external = 0.5 * (load_left_ + load_right_).dot(du);
+    void add(const State& state);
+
+    Shared<ContactProblem> problem;
+    std::vector<Energy> history;
+    Vector u, v, work, gap_rate, load_left, load_right, scratch;
+};
+
+void EnergyLedger::Record::add(const State& state) {
+    const ContactProblem& p = *problem;
+    Energy e = energy_of(p, state);
+    if (!history.empty()) {
+        const Energy& last = history.back();
+        const Vector du = state.u() - u;
+        p.f.evaluate(last.t, Side::right, scratch, load_left);
+        p.f.evaluate(state.t, Side::left, scratch, load_right);
+        const double external = 0.5 * (load_left + load_right).dot(du);
         double contact = 0, damping = 0;
-        if (problem_.constraints() > 0) {
-            problem_.B.multiply(du, gap_rate_);
-            contact = state.lambda.dot(gap_rate_);
+        if (p.constraints() > 0) {
+            p.B.multiply(du, gap_rate);
+            contact = state.lambda.dot(gap_rate);
         }
-        if (problem_.D && problem_.second_order()) {
-            problem_.D->multiply(du, work_);
-            damping = -0.5 * (v_ + state.v()).dot(work_);
+        if (p.D && p.second_order()) {
+            p.D->multiply(du, work);
+            damping = -0.5 * (v + state.v()).dot(work);
         }
         e.external_work = last.external_work + external;
         e.contact_work = last.contact_work + contact;
         e.damping_work = last.damping_work + damping;
         e.step_balance = e.mechanical() - last.mechanical() - external - contact - damping;
     }
-    u_ = state.u();
-    v_ = state.v();
-    history_.push_back(e);
+    u = state.u();
+    v = state.v();
+    history.push_back(e);
 }
 
-Observer EnergyLedger::observer() {
-    return [this](const State& state, const StepReport&) {
-        record(state);
+EnergyLedger::EnergyLedger(Shared<ContactProblem> problem) : record_(std::make_shared<Record>(std::move(problem))) {}
+
+const std::vector<Energy>& EnergyLedger::history() const { return record_->history; }
+
+Observer EnergyLedger::observer() const {
+    return [record = record_](const State& state, const StepReport&) {
+        record->add(state);
         return Flow::proceed;
     };
 }

@@ -22,20 +22,18 @@ struct Energy {
     double total() const { return kinetic + strain + potential; }
 };
 
-/// Keeps one Energy per state. Costs one product with K, M, B (and D) a step: leave it out where not wanted.
+/// Keeps one Energy per state. Costs one product with K, M, B (and D) a step: leave it out where not wanted. A handle: copies,
+/// and the observer, share what is recorded.
 class EnergyLedger {
 public:
-    /// `problem` must outlive the ledger.
-    explicit EnergyLedger(const ContactProblem& problem);
-    /// Records into this ledger, which must outlive it.
-    Observer observer();
-    const std::vector<Energy>& history() const { return history_; }
+    explicit EnergyLedger(Shared<ContactProblem> problem);
+    /// Records into this ledger.
+    Observer observer() const;
+    const std::vector<Energy>& history() const;
 
 private:
-    void record(const State& state);
-    const ContactProblem& problem_;
-    std::vector<Energy> history_;
-    Vector u_, v_, work_, gap_rate_, load_left_, load_right_, scratch_;
+    struct Record;
+    std::shared_ptr<Record> record_;
 };
 
 /// The energies of a single state (works are zero).

@@ -10,20 +10,36 @@ constexpr double slow = 1e-6;
 
 }  // namespace
 
-ImpactLedger::ImpactLedger(const ContactProblem& problem)
-    : problem_(problem),
-      energy_(problem),
-      watch_energy_(energy_.observer()),
-      rate_(problem.constraints()),
-      free_rate_(Vector::Zero(problem.constraints())),
-      closed_(static_cast<std::size_t>(problem.constraints()), 0) {
-    if (!problem.second_order()) throw InputError("ImpactLedger: the problem has no M, expected one");
-    if (problem.c.constant()) return;
-    gap_now_.resize(problem.constraints());
-    gap_before_.resize(problem.constraints());
-}
+class ImpactLedger::Record {
+public:
+    explicit Record(const Shared<ContactProblem>& problem)
+        : owned_(problem),
+          energy_(problem),
+          watch_energy_(energy_.observer()),
+          rate_(problem_.constraints()),
+          free_rate_(Vector::Zero(problem_.constraints())),
+          closed_(static_cast<std::size_t>(problem_.constraints()), 0) {
+        if (!problem_.second_order()) throw InputError("ImpactLedger: the problem has no M, expected one");
+        if (problem_.c.constant()) return;
+        gap_now_.resize(problem_.constraints());
+        gap_before_.resize(problem_.constraints());
+    }
 
-void ImpactLedger::record(const State& state, const StepReport& report) {
+    void add(const State& state, const StepReport& report);
+    const ImpactSummary& summary() const { return summary_; }
+
+private:
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
+    EnergyLedger energy_;
+    Observer watch_energy_;
+    ImpactSummary summary_;
+    double before_t_ = 0;
+    Vector rate_, free_rate_, gap_now_, gap_before_;
+    std::vector<char> closed_;
+};
+
+void ImpactLedger::Record::add(const State& state, const StepReport& report) {
     (void)watch_energy_(state, report);
     if (state.step > 0 && report.contact.active > 0) {
         // The balance counts the contact force's work as given; here what it took or gave is the impact's.
@@ -58,9 +74,13 @@ void ImpactLedger::record(const State& state, const StepReport& report) {
     }
 }
 
-Observer ImpactLedger::observer() {
-    return [this](const State& state, const StepReport& report) {
-        record(state, report);
+ImpactLedger::ImpactLedger(Shared<ContactProblem> problem) : record_(std::make_shared<Record>(problem)) {}
+
+const ImpactSummary& ImpactLedger::summary() const { return record_->summary(); }
+
+Observer ImpactLedger::observer() const {
+    return [record = record_](const State& state, const StepReport& report) {
+        record->add(state, report);
         return Flow::proceed;
     };
 }

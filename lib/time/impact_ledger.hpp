@@ -19,24 +19,19 @@ struct ImpactSummary {
 };
 
 /// Watches the gap rates B v - c' of rows that close and open again, and the energy of steps in contact. Costs products
-/// with B, M, K a step: leave it out where not wanted. Second order only.
+/// with B, M, K a step: leave it out where not wanted. Second order only. A handle: copies, and the observer, share what is
+/// recorded.
 class ImpactLedger {
 public:
-    /// `problem` must outlive the ledger. InputError without M.
-    explicit ImpactLedger(const ContactProblem& problem);
-    /// Records into this ledger, which must outlive it.
-    Observer observer();
-    const ImpactSummary& summary() const { return summary_; }
+    /// InputError without M.
+    explicit ImpactLedger(Shared<ContactProblem> problem);
+    /// Records into this ledger.
+    Observer observer() const;
+    const ImpactSummary& summary() const;
 
 private:
-    void record(const State& state, const StepReport& report);
-    const ContactProblem& problem_;
-    EnergyLedger energy_;
-    Observer watch_energy_;
-    ImpactSummary summary_;
-    double before_t_ = 0;
-    Vector rate_, free_rate_, gap_now_, gap_before_;
-    std::vector<char> closed_;
+    class Record;
+    std::shared_ptr<Record> record_;
 };
 
 }  // namespace tact

@@ -67,12 +67,13 @@ std::pair<Index, double> initial_violation(const ContactProblem& problem, const 
     return worst;
 }
 
-ContactProblem admissible(const ContactProblem& problem, double t0, ContactWorkspace& workspace,
-                          const MarchOptions& options) {
+/// The problem itself, or one with an admissible u0. Lives no longer than the one given.
+Shared<ContactProblem> admissible(const ContactProblem& problem, double t0, const ContactWorkspace& workspace,
+                                  const MarchOptions& options) {
     constexpr double rounding = 1e-9;
     if (problem.constraints() == 0 || problem.u0.size() == 0 ||
         options.initial_penetration == InitialPenetration::accept)
-        return problem;
+        return Shared<ContactProblem>::borrowed(problem);
     Vector c = problem.c.at(t0);
     Vector upper = problem.c_up ? problem.c_up->at(t0) : Vector();
     // A row that may give way is violated by nothing.
@@ -81,7 +82,7 @@ ContactProblem admissible(const ContactProblem& problem, double t0, ContactWorks
         if (upper.size() > 0 && problem.force_lo.size() > 0 && problem.force_lo[i] > -infinity) upper[i] = infinity;
     }
     const auto [row, violation] = initial_violation(problem, c, upper);
-    if (violation <= rounding) return problem;
+    if (violation <= rounding) return Shared<ContactProblem>::borrowed(problem);
     if (options.initial_penetration == InitialPenetration::reject)
         throw InputError("ContactProblem: u0 penetrates row " + std::to_string(row) + " by " +
                          shown(100 * violation) + " % of its size, expected B u0 >= c(t0)" +
@@ -102,11 +103,11 @@ using Step = std::function<Flow(const Run&, const StepReport&)>;
 
 /// The one loop: `step` is called with the initial state and after every accepted step.
 MarchReport march_through(const Integrator& method, const ContactProblem& given, const TimeGrid& grid,
-                          ContactWorkspace& workspace, const MarchOptions& options, const Step& step) {
+                          const ContactWorkspace& workspace, const MarchOptions& options, const Step& step) {
     validate(given);
     validate(grid);
-    const ContactProblem problem = admissible(given, grid.t0, workspace, options);
-    const auto run = method.start(problem, grid, workspace);
+    // The run ends here, before the problem given does: no copy is needed.
+    const auto run = method.start(admissible(given, grid.t0, workspace, options), grid, workspace);
     MarchReport march;
     march.warning = run->warning();
     const double end = grid.t(grid.steps);
@@ -142,14 +143,15 @@ MarchReport march_through(const Integrator& method, const ContactProblem& given,
 void Run::dense(double, State&) const { throw InputError("Run: this integrator has no dense output"); }
 
 MarchReport integrate(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
-                      ContactWorkspace& workspace, std::span<const Observer> observers, const MarchOptions& options) {
+                      const ContactWorkspace& workspace, std::span<const Observer> observers,
+                      const MarchOptions& options) {
     return march_through(method, problem, grid, workspace, options, [&](const Run& run, const StepReport& report) {
         return tell(observers, run.state(), report) ? Flow::proceed : Flow::stop;
     });
 }
 
 MarchReport integrate_with_output(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
-                                  ContactWorkspace& workspace, std::span<const double> times,
+                                  const ContactWorkspace& workspace, std::span<const double> times,
                                   const std::function<void(const State&)>& output,
                                   std::span<const Observer> observers, const MarchOptions& options) {
     for (std::size_t k = 0; k < times.size(); ++k) {
@@ -177,7 +179,7 @@ MarchReport integrate_with_output(const Integrator& method, const ContactProblem
 }
 
 MarchReport integrate_until(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
-                            ContactWorkspace& workspace, const std::function<double(const State&)>& g,
+                            const ContactWorkspace& workspace, const std::function<double(const State&)>& g,
                             double tolerance, const MarchOptions& options) {
     double sign = 0, before = grid.t0;
     State found;

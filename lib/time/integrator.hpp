@@ -65,12 +65,13 @@ public:
 class Integrator {
 public:
     virtual ~Integrator() = default;
+    /// As the registry reads it, options included, where it knows the method: "trapezoid:e=0.5".
     virtual std::string name() const = 0;
     /// Whether the method chooses its steps: of the grid it then takes the beginning and the end.
     virtual bool adaptive() const { return false; }
-    /// `problem` and `workspace` must outlive the run. InputError if this integrator cannot take the problem.
-    virtual std::unique_ptr<Run> start(const ContactProblem& problem, const TimeGrid& grid,
-                                       ContactWorkspace& workspace) const = 0;
+    /// The run holds the problem and the workspace. InputError if this integrator cannot take the problem.
+    virtual std::unique_ptr<Run> start(const Shared<ContactProblem>& problem, const TimeGrid& grid,
+                                       const ContactWorkspace& workspace) const = 0;
 };
 
 enum class Flow { proceed, stop };
@@ -104,23 +105,27 @@ struct MarchOptions {
 
 /// validate(problem) and validate(grid), then step through the grid.
 MarchReport integrate(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
-                      ContactWorkspace& workspace, std::span<const Observer> observers = {},
+                      const ContactWorkspace& workspace, std::span<const Observer> observers = {},
                       const MarchOptions& options = {});
 
 /// As integrate, and tells `output` the states at `times` (sorted, within the grid) by dense output.
 MarchReport integrate_with_output(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
-                                  ContactWorkspace& workspace, std::span<const double> times,
+                                  const ContactWorkspace& workspace, std::span<const double> times,
                                   const std::function<void(const State&)>& output,
                                   std::span<const Observer> observers = {}, const MarchOptions& options = {});
 
 /// Marches until g(state) changes its sign (from the sign it has at the start, zero being neither) and locates that time
 /// by dense output to `tolerance` of the step: the final state is there, the outcome `stopped`. `converged`: no event.
 MarchReport integrate_until(const Integrator& method, const ContactProblem& problem, const TimeGrid& grid,
-                            ContactWorkspace& workspace, const std::function<double(const State&)>& g,
+                            const ContactWorkspace& workspace, const std::function<double(const State&)>& g,
                             double tolerance = 1e-10, const MarchOptions& options = {});
 
 /// The problem that goes on from a state: u0 and v0 are the state's. One-step methods go on as if never interrupted;
 /// multistep ones begin anew. Hand integrate a grid with t0 = state.t.
 ContactProblem restarted(const ContactProblem& problem, const State& state);
+
+/// One line where all is well; else also what was tried and what to try.
+std::ostream& operator<<(std::ostream& out, const StepReport& report);
+std::ostream& operator<<(std::ostream& out, const MarchReport& report);
 
 }  // namespace tact

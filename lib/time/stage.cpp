@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "../algebra/empty_rows.hpp"
 #include "indefinite.hpp"
@@ -55,58 +57,65 @@ struct ContactWorkspace::Entry {
     }
 };
 
-ContactWorkspace::ContactWorkspace(std::shared_ptr<const ContactSolver> solver, std::size_t capacity)
-    : solver_(std::move(solver)), capacity_(std::max<std::size_t>(capacity, 1)) {
-    if (!solver_) throw InputError("ContactWorkspace: the contact solver is null");
-}
-ContactWorkspace::~ContactWorkspace() = default;
-ContactWorkspace::ContactWorkspace(ContactWorkspace&&) noexcept = default;
-ContactWorkspace& ContactWorkspace::operator=(ContactWorkspace&&) noexcept = default;
+struct ContactWorkspace::Kept {
+    Shared<ContactSolver> solver;
+    std::size_t capacity;
+    std::vector<std::unique_ptr<Entry>> entries = {};  // most recent first
+};
 
-std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem& p, const Combination& combination) {
-    const auto found = std::find_if(entries_.begin(), entries_.end(),
+ContactWorkspace::ContactWorkspace(Shared<ContactSolver> solver, std::size_t capacity) {
+    if (!solver) throw InputError("ContactWorkspace: the contact solver is null");
+    kept_ = std::make_shared<Kept>(Kept{std::move(solver), std::max<std::size_t>(capacity, 1)});
+}
+
+const ContactSolver& ContactWorkspace::solver() const { return *kept_->solver; }
+
+std::shared_ptr<PreparedContact> ContactWorkspace::prepared(const ContactProblem& p,
+                                                            const Combination& combination) const {
+    auto& entries = kept_->entries;
+    const auto found = std::find_if(entries.begin(), entries.end(),
                                     [&](const auto& entry) { return entry->matches(p, combination); });
-    if (found != entries_.end()) {
-        std::rotate(entries_.begin(), found, found + 1);
-        return entries_.front()->contact;
+    if (found != entries.end()) {
+        std::rotate(entries.begin(), found, found + 1);
+        return entries.front()->contact;
     }
     std::shared_ptr<PreparedContact> contact;
     try {
-        contact = prepare_contact(*solver_, combined(p, combination), p);
+        contact = prepare_contact(*kept_->solver, combined(p, combination), p);
     } catch (const std::exception& refusal) {
         const std::string why = why_indefinite(p, combination);
         if (why.empty()) throw;
         throw NumericalError(why + " (" + refusal.what() + ")");
     }
-    if (entries_.size() == capacity_) entries_.pop_back();
-    entries_.insert(entries_.begin(), std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, p.contact_only(),
-                                                                    std::move(contact)}));
-    return entries_.front()->contact;
+    if (entries.size() == kept_->capacity) entries.pop_back();
+    entries.insert(entries.begin(), std::make_unique<Entry>(Entry{p.M, p.D, p.K, p.B, combination, p.contact_only(),
+                                                                  std::move(contact)}));
+    return entries.front()->contact;
 }
 
-StageSolver::StageSolver(const ContactProblem& problem, ContactWorkspace& workspace)
-    : problem_(problem),
-      workspace_(workspace),
-      load_(problem.size()),
-      gap_(problem.constraints()),
-      rhs_(problem.size()),
-      work_(problem.size()),
-      scratch_(std::max(
-          {problem.f.mode_count(), problem.c.mode_count(), problem.c_up ? problem.c_up->mode_count() : Index{0}})) {
-    if (problem.f.constant()) {
-        problem.f.evaluate(0, Side::right, scratch_, load_);
+StageSolver::StageSolver(Shared<ContactProblem> problem, ContactWorkspace workspace)
+    : owned_(std::move(problem)),
+      workspace_(std::move(workspace)),
+      load_(problem_.size()),
+      gap_(problem_.constraints()),
+      rhs_(problem_.size()),
+      work_(problem_.size()),
+      scratch_(std::max({problem_.f.mode_count(), problem_.c.mode_count(),
+                         problem_.c_up ? problem_.c_up->mode_count() : Index{0}})) {
+    if (problem_.f.constant()) {
+        problem_.f.evaluate(0, Side::right, scratch_, load_);
         load_fails_ = !load_.allFinite();
     }
-    if (problem.c_up) upper_.resize(problem.constraints());
-    if (problem.constraints() > 0 && problem.c.constant()) {
-        problem.c.evaluate(0, Side::right, scratch_, gap_);
+    if (problem_.c_up) upper_.resize(problem_.constraints());
+    if (problem_.constraints() > 0 && problem_.c.constant()) {
+        problem_.c.evaluate(0, Side::right, scratch_, gap_);
         gap_fails_ = !(gap_.array() < infinity).all();
     }
-    if (problem.c_up && problem.c_up->constant()) {
-        problem.c_up->evaluate(0, Side::right, scratch_, upper_);
+    if (problem_.c_up && problem_.c_up->constant()) {
+        problem_.c_up->evaluate(0, Side::right, scratch_, upper_);
         upper_fails_ = !(upper_.array() > -infinity).all();
     }
-    if (problem.r) newton_ = std::make_unique<NewtonSolver>(problem, workspace);
+    if (problem_.r) newton_ = std::make_unique<NewtonSolver>(problem_, workspace_);
 }
 
 StageSolver::~StageSolver() = default;
@@ -211,11 +220,12 @@ void StageSolver::explain(const Combination& combination, double t, const ConstV
     }
 }
 
-StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace, const StaticSolution* guess) {
+StaticSolution solve_static(const ContactProblem& problem, const ContactWorkspace& workspace,
+                            const StaticSolution* guess) {
     if (!problem.is_static())
         throw InputError("solve_static: the problem has an M or a D, expected neither; use an integrator");
     validate(problem);
-    StageSolver stages(problem, workspace);
+    StageSolver stages(Shared<ContactProblem>::borrowed(problem), workspace);
     State state(problem);
     if (guess && guess->u.size() == state.y.size()) state.y = guess->u;
     if (guess && guess->lambda.size() == state.lambda.size()) state.lambda = guess->lambda;

@@ -1,11 +1,12 @@
 // One implicit stage of any integrator, contact included, and the work shared between stages and between runs.
 #pragma once
 
+#include <iosfwd>
 #include <memory>
-#include <vector>
 
 #include "../contact_solver.hpp"
 #include "../problem/contact_problem.hpp"
+#include "../shared.hpp"
 
 namespace tact {
 
@@ -45,23 +46,21 @@ std::unique_ptr<PreparedContact> prepare_contact(const ContactSolver& solver, co
 
 /// Prepared contact solves, kept by the identity of M, D, K, B and the combination. Hand one workspace to the
 /// successive problems of a family, or to run after run, and they share factors, symbolic analyses and cached
-/// columns. Keeps the `capacity` most recently used. One thread at a time.
+/// columns. Keeps the `capacity` most recently used. A handle: copies share what is kept, and a run holds one of them. One
+/// thread at a time, copies included.
 class ContactWorkspace {
 public:
-    explicit ContactWorkspace(std::shared_ptr<const ContactSolver> solver, std::size_t capacity = 4);
-    ~ContactWorkspace();
-    ContactWorkspace(ContactWorkspace&&) noexcept;
-    ContactWorkspace& operator=(ContactWorkspace&&) noexcept;
+    /// InputError if `solver` is null.
+    explicit ContactWorkspace(Shared<ContactSolver> solver, std::size_t capacity = 4);
 
     /// The combined matrix, prepared with B; stays alive while its user holds it, evicted or not.
-    std::shared_ptr<PreparedContact> prepared(const ContactProblem& problem, const Combination& combination);
-    const ContactSolver& solver() const { return *solver_; }
+    std::shared_ptr<PreparedContact> prepared(const ContactProblem& problem, const Combination& combination) const;
+    const ContactSolver& solver() const;
 
 private:
     struct Entry;
-    std::shared_ptr<const ContactSolver> solver_;
-    std::size_t capacity_;
-    std::vector<std::unique_ptr<Entry>> entries_;  // most recent first
+    struct Kept;
+    std::shared_ptr<Kept> kept_;
 };
 
 class NewtonSolver;
@@ -74,8 +73,8 @@ class NewtonSolver;
 /// NumericalError where no strategy takes the combined matrix; it names the matrix of K, M, D that is at fault, if one is.
 class StageSolver {
 public:
-    /// Both must outlive the stage solver.
-    StageSolver(const ContactProblem& problem, ContactWorkspace& workspace);
+    /// Holds both.
+    StageSolver(Shared<ContactProblem> problem, ContactWorkspace workspace);
     ~StageSolver();
 
     /// On entry `state` holds the guess, on a converged exit the solution at stage.t; else it is untouched.
@@ -92,8 +91,9 @@ private:
     void read_gap(double t);
     void explain(const Combination& combination, double t, const ConstVectorRef& rhs, ContactReport& report);
 
-    const ContactProblem& problem_;
-    ContactWorkspace& workspace_;
+    Shared<ContactProblem> owned_;
+    const ContactProblem& problem_ = *owned_;
+    ContactWorkspace workspace_;
     std::shared_ptr<PreparedContact> prepared_;
     Combination combination_;
     std::unique_ptr<NewtonSolver> newton_;  // where there is an r
@@ -109,7 +109,11 @@ struct [[nodiscard]] StaticSolution {
 };
 /// `guess`: a previous solution to start from. validate(problem) first; InputError also unless the problem is static, and
 /// where an empty row of B asks for what no u can give.
-StaticSolution solve_static(const ContactProblem& problem, ContactWorkspace& workspace,
+StaticSolution solve_static(const ContactProblem& problem, const ContactWorkspace& workspace,
                             const StaticSolution* guess = nullptr);
+
+/// One line where all is well; else also what was tried and what to try.
+std::ostream& operator<<(std::ostream& out, const ContactReport& report);
+std::ostream& operator<<(std::ostream& out, const StaticSolution& solution);
 
 }  // namespace tact

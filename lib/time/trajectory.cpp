@@ -4,25 +4,27 @@
 
 namespace tact {
 
-Trajectory::Trajectory(const ContactProblem& problem, long steps, Recording recording) : recording_(recording) {
+Trajectory::Trajectory(const ContactProblem& problem, long steps, Recording recording)
+    : record_(std::make_shared<Record>(Record{recording})) {
     if (recording.stride < 1)
         throw InputError("Trajectory: stride is " + std::to_string(recording.stride) + ", expected at least 1");
     const Index columns = static_cast<Index>(steps / recording.stride) + (recording.initial ? 1 : 0);
-    u_.resize(problem.size(), columns);
-    lambda_.resize(recording.multipliers ? problem.constraints() : 0, recording.multipliers ? columns : 0);
-    times_.reserve(static_cast<std::size_t>(columns));
-    steps_.reserve(static_cast<std::size_t>(columns));
+    record_->u.resize(problem.size(), columns);
+    record_->lambda.resize(recording.multipliers ? problem.constraints() : 0, recording.multipliers ? columns : 0);
+    record_->times.reserve(static_cast<std::size_t>(columns));
+    record_->steps.reserve(static_cast<std::size_t>(columns));
 }
 
-Observer Trajectory::observer() {
-    return [this](const State& state, const StepReport&) {
-        if (state.step == 0 ? !recording_.initial : state.step % recording_.stride != 0) return Flow::proceed;
-        const Index j = size();
-        if (j == u_.cols()) throw InputError("Trajectory: more states than the steps it was made for");
-        u_.col(j) = state.u();
-        if (recording_.multipliers) lambda_.col(j) = state.lambda;
-        times_.push_back(state.t);
-        steps_.push_back(state.step);
+Observer Trajectory::observer() const {
+    return [record = record_](const State& state, const StepReport&) {
+        const Recording& recording = record->recording;
+        if (state.step == 0 ? !recording.initial : state.step % recording.stride != 0) return Flow::proceed;
+        const Index j = static_cast<Index>(record->times.size());
+        if (j == record->u.cols()) throw InputError("Trajectory: more states than the steps it was made for");
+        record->u.col(j) = state.u();
+        if (recording.multipliers) record->lambda.col(j) = state.lambda;
+        record->times.push_back(state.t);
+        record->steps.push_back(state.step);
         return Flow::proceed;
     };
 }

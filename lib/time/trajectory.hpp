@@ -14,26 +14,30 @@ struct Recording {
     bool multipliers = true;
 };
 
-/// The recorded columns u(t_j), lambda(t_j) of one march. Storage is reserved for the whole march at its start.
+/// The recorded columns u(t_j), lambda(t_j) of one march. Storage is reserved for the whole march at its start. A handle:
+/// copies, and the observer, share what is recorded.
 class Trajectory {
 public:
     /// `steps`: of the march to be recorded.
     Trajectory(const ContactProblem& problem, long steps, Recording recording = {});
 
-    /// An observer that records into this trajectory, which must outlive it.
-    Observer observer();
+    /// An observer that records into this trajectory.
+    Observer observer() const;
 
-    Index size() const { return static_cast<Index>(times_.size()); }
-    const std::vector<double>& times() const { return times_; }
-    const std::vector<long>& steps() const { return steps_; }
-    auto u() const { return u_.leftCols(size()); }
-    auto lambda() const { return lambda_.leftCols(recording_.multipliers ? size() : 0); }
+    Index size() const { return static_cast<Index>(record_->times.size()); }
+    const std::vector<double>& times() const { return record_->times; }
+    const std::vector<long>& steps() const { return record_->steps; }
+    auto u() const { return record_->u.leftCols(size()); }
+    auto lambda() const { return record_->lambda.leftCols(record_->recording.multipliers ? size() : 0); }
 
 private:
-    Recording recording_;
-    DenseMatrix u_, lambda_;
-    std::vector<double> times_;
-    std::vector<long> steps_;
+    struct Record {
+        Recording recording;
+        DenseMatrix u = {}, lambda = {};
+        std::vector<double> times = {};
+        std::vector<long> steps = {};
+    };
+    std::shared_ptr<Record> record_;
 };
 
 }  // namespace tact

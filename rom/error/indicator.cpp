@@ -90,18 +90,18 @@ Observer ReducedStateRecorder::observer(const ContactProblem& reduced) {
     };
 }
 
-Indicator::Indicator(const ContactFamily& family, const ReducedBasis& basis, IndicatorWeights weights)
-    : family_(family), weights_(weights), parametric_(!family.names().empty()), p_(basis.primal_size()) {
+Indicator::Indicator(const Shared<ContactFamily>& family, const ReducedBasis& basis, IndicatorWeights weights)
+    : family_(family), weights_(weights), parametric_(!family->names().empty()), p_(basis.primal_size()) {
     check_weight("penetration", weights.penetration);
     check_weight("complementarity", weights.complementarity);
     check_weight("negativity", weights.negativity);
-    const std::vector<std::string> varying = family.varying();
+    const std::vector<std::string> varying = family->varying();
     const bool forces_needed = weights.complementarity != 0 || weights.negativity != 0;
-    if ((forces_needed && !only_gap_varies(family)) || std::ranges::find(varying, "B") != varying.end())
+    if ((forces_needed && !only_gap_varies(*family)) || std::ranges::find(varying, "B") != varying.end())
         throw InputError(
             "Indicator: more than the gap of the family varies, expected the gap only; without "
             "complementarity and negativity all but B may");
-    const ContactProblem full = family.at((family.lower() + family.upper()) / 2);
+    const ContactProblem full = family->at((family->lower() + family->upper()) / 2);
     validate(basis, full);
     c_ = full.c;
     rows_.resize(static_cast<std::size_t>(full.constraints()));
@@ -185,7 +185,7 @@ double Indicator::operator()(const Parameter& gamma, const ContactProblem& reduc
     AffineVector c = c_;
     if (parametric_) {
         Vector values(m);
-        family_.gap(gamma, rows_, values);
+        family_->gap(gamma, rows_, values);
         c = AffineVector(std::move(values));
     }
     const DenseMatrix c_coefficients = coefficients_at(c, states.times);

@@ -45,8 +45,8 @@ class Indicator {
 public:
     /// Holds B U (m x p), and up to three such matrices where alpha_2 or alpha_3 is not zero. Only the gap of the family
     /// may depend on gamma, without alpha_2 and alpha_3 all but B. InputError for that and a negative or NaN weight;
-    /// NumericalError if (B')^+ is needed and the rows of a sparse B are dependent. `family` must outlive the indicator.
-    Indicator(const ContactFamily& family, const ReducedBasis& basis, IndicatorWeights weights = {});
+    /// NumericalError if (B')^+ is needed and the rows of a sparse B are dependent. Holds the family.
+    Indicator(const Shared<ContactFamily>& family, const ReducedBasis& basis, IndicatorWeights weights = {});
 
     /// `reduced`: the problem at gamma the states come from.
     double operator()(const Parameter& gamma, const ContactProblem& reduced, const ReducedStates& states) const;
@@ -56,7 +56,7 @@ private:
     double penetration(const AffineVector& c, const Eigen::Ref<const DenseMatrix>& q,
                        const DenseMatrix& c_coefficients) const;
 
-    const ContactFamily& family_;
+    Shared<ContactFamily> family_;
     IndicatorWeights weights_;
     bool parametric_;
     std::vector<Index> rows_;      // all of them

@@ -7,15 +7,15 @@
 
 namespace tact {
 
-StaticErrorBound::StaticErrorBound(const ContactFamily& family, const ReducedBasis& basis, const LinearSolver& linear,
-                                   ContactWorkspace& contact)
+StaticErrorBound::StaticErrorBound(const Shared<ContactFamily>& family, const ReducedBasis& basis,
+                                   const LinearSolver& linear, const ContactWorkspace& contact)
     : family_(family), U_lambda_(basis.U_lambda) {
-    const ContactProblem full = family.at((family.lower() + family.upper()) / 2);
+    const ContactProblem full = family->at((family->lower() + family->upper()) / 2);
     validate(full);
     validate(basis, full);
     if (!full.is_static() || !full.c.constant() || !full.f.constant() || full.r)
         throw InputError("StaticErrorBound: the problem is not static, linear and constant in time, expected that");
-    if (!only_gap_varies(family))
+    if (!only_gap_varies(*family))
         throw InputError("StaticErrorBound: more than the gap of the family varies, expected the gap only");
     if (!full.K.is_symmetric()) throw InputError("StaticErrorBound: K is not symmetric, expected that");
     if (basis.signs == DualSigns::any) throw InputError("StaticErrorBound: U_lambda has any sign, expected >= 0");
@@ -39,7 +39,7 @@ StaticErrorBound::StaticErrorBound(const ContactFamily& family, const ReducedBas
     factor_energy(full, X);
 }
 
-void StaticErrorBound::add_lifts(const ContactProblem& full, ContactWorkspace& contact) {
+void StaticErrorBound::add_lifts(const ContactProblem& full, const ContactWorkspace& contact) {
     const Index lifts = U_lambda_.cols(), m = full.constraints();
     patch_.assign(rows_.size(), -1);
     for (const Index row : rows_)
@@ -98,7 +98,7 @@ EnergyBound StaticErrorBound::operator()(const Parameter& gamma, const ConstVect
     if (!(s.array() >= 0).all() || !s.allFinite())
         throw InputError("StaticErrorBound: s has a negative, NaN or infinite entry, expected finite s >= 0");
     Vector violation(static_cast<Index>(rows_.size()));
-    family_.gap(gamma, rows_, violation);
+    family_->gap(gamma, rows_, violation);
     if (violation.hasNaN())
         throw InputError("StaticErrorBound: the family's gap has a NaN, expected a number or -inf");
     violation.noalias() -= B_U_ * q;

@@ -30,9 +30,9 @@ class StaticErrorBound {
 public:
     /// Solves p + 1 + p_lambda systems with K and p_lambda contact problems; holds B U and B W, m x (p + p_lambda). Only the
     /// gap of the family may depend on gamma. InputError unless it is static with a symmetric K and a constant gap and load
-    /// and U_lambda >= 0; NumericalError if a lift does not exist (the rows exclude each other). `family` must outlive it.
-    StaticErrorBound(const ContactFamily& family, const ReducedBasis& basis, const LinearSolver& linear,
-                     ContactWorkspace& contact);
+    /// and U_lambda >= 0; NumericalError if a lift does not exist (the rows exclude each other). Holds the family.
+    StaticErrorBound(const Shared<ContactFamily>& family, const ReducedBasis& basis, const LinearSolver& linear,
+                     const ContactWorkspace& contact);
 
     /// Evaluates c in all rows: of the full size, but one pass. Infinite where the lifts do not reach a row that is
     /// penetrated, and where U_lambda s presses on a row that is switched off. InputError if a size is wrong, s has a negative
@@ -40,10 +40,10 @@ public:
     EnergyBound operator()(const Parameter& gamma, const ConstVectorRef& q, const ConstVectorRef& s) const;
 
 private:
-    void add_lifts(const ContactProblem& full, ContactWorkspace& contact);
+    void add_lifts(const ContactProblem& full, const ContactWorkspace& contact);
     void factor_energy(const ContactProblem& full, const DenseMatrix& X);
 
-    const ContactFamily& family_;
+    Shared<ContactFamily> family_;
     std::vector<Index> rows_;     // all of them
     std::vector<Index> patch_;    // of each row: its lift, or -1
     std::vector<Index> touched_;  // the rows that have one

@@ -45,7 +45,7 @@ Weights least_weights(const Ratios& ratios, Index left_out) {
 }
 
 /// A march, or a static solution, told to `record`; whether it converged.
-bool run(const TrainingMethod& method, const ContactProblem& problem, ContactWorkspace& workspace,
+bool run(const TrainingMethod& method, const ContactProblem& problem, const ContactWorkspace& workspace,
          const Observer& record) {
     if (method.integrator)
         return integrate(*method.integrator, problem, method.grid, workspace, {&record, 1},
@@ -92,15 +92,15 @@ void calibrate(ErrorChecks& checks, const std::vector<ErrorSample>& samples, dou
     checks.largest_effectivity = effectivity.back();
 }
 
-std::vector<Index> penetrated_rows(const ContactFamily& family, const ReducedBasis& basis,
+std::vector<Index> penetrated_rows(const Shared<ContactFamily>& family, const ReducedBasis& basis,
                                    const TrainingMethod& method, const TrainingContact& contact,
                                    const std::vector<Parameter>& parameters, Index count, long stride) {
     const auto reduced = reduce(family, basis);
     ContactWorkspace workspace(contact.reduced);
-    const DenseMatrix B_U = family.at((family.lower() + family.upper()) / 2).B.times(basis.U);
+    const DenseMatrix B_U = family->at((family->lower() + family->upper()) / 2).B.times(basis.U);
     std::vector<Vector> found;
     for (const Parameter& gamma : parameters) {
-        const AffineVector c = family.at(gamma).c;
+        const AffineVector c = family->at(gamma).c;
         const std::size_t before = found.size();
         const bool converged = run(method, reduced->at(gamma), workspace, [&](const State& state, const StepReport&) {
             if (state.step % stride != 0 || (method.integrator && state.step == 0)) return Flow::proceed;
@@ -121,15 +121,16 @@ std::vector<ErrorSample> error_samples(const ContactFamily& family, const Reduce
                                        const TrainingContact& contact, const std::vector<Parameter>& parameters) {
     ContactWorkspace full_workspace(contact.full), workspace(contact.reduced);
     const long steps = method.integrator ? method.grid.steps : 0;
-    ErrorCheck check(model);
+    ErrorCheck check(Shared<ReducedModel>::borrowed(model));
     std::vector<ErrorSample> samples;
     for (const Parameter& gamma : parameters) {
-        const ContactProblem full = family.at(gamma), reduced = model.at(gamma);
-        Trajectory u(full, steps, {1, true, false}), q(reduced, steps, {1, true, false});
+        const ContactProblem full = family.at(gamma);
+        const Shared<ContactProblem> reduced = model.at(gamma);
+        Trajectory u(full, steps, {1, true, false}), q(*reduced, steps, {1, true, false});
         const Observer record_full = u.observer(), record = q.observer();
         check.begin(gamma, reduced);
         const bool converged = run(method, full, full_workspace, record_full) &&
-                               run(method, reduced, workspace, [&](const State& state, const StepReport& report) {
+                               run(method, *reduced, workspace, [&](const State& state, const StepReport& report) {
                                    check.add(state);
                                    return record(state, report);
                                });

@@ -21,7 +21,7 @@ void calibrate(ErrorChecks& checks, const std::vector<ErrorSample>& samples, dou
 /// Rows of B where the reduced answers at these parameters penetrate: the points of empirical interpolation of their
 /// penetrations [c - B U q]_+, at most `count`. Marches are looked at every `stride` steps. Where answers do not converge they
 /// tell nothing.
-std::vector<Index> penetrated_rows(const ContactFamily& family, const ReducedBasis& basis,
+std::vector<Index> penetrated_rows(const Shared<ContactFamily>& family, const ReducedBasis& basis,
                                    const TrainingMethod& method, const TrainingContact& contact,
                                    const std::vector<Parameter>& parameters, Index count, long stride = 10);
 

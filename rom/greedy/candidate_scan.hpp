@@ -11,7 +11,7 @@ namespace tact {
 
 /// What every candidate is asked, and by how many threads.
 struct CandidateScan {
-    const TrainingMethod& method;
+    TrainingMethod method;
     std::shared_ptr<const ContactSolver> contact;  ///< of reduced problems
     std::vector<long> steps;                       ///< J, read in marches only
     int threads = 1;

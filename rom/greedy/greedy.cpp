@@ -14,7 +14,7 @@ namespace {
 
 class Training {
 public:
-    Training(const ContactFamily& family, const TrainingMethod& method, const TrainingContact& contact,
+    Training(const Shared<ContactFamily>& family, const TrainingMethod& method, const TrainingContact& contact,
              const TrainingOptions& options);
     TrainingResult run();
 
@@ -42,7 +42,7 @@ private:
     void mark_sampled(const Parameter& gamma);
     std::size_t next_candidate();
 
-    const ContactFamily& family_;
+    Shared<ContactFamily> family_;
     const TrainingMethod& method_;
     const TrainingContact& contact_;
     const TrainingOptions& options_;
@@ -96,17 +96,17 @@ PodAccumulatorOptions pod_options(const TrainingOptions& options) {
     return pod;
 }
 
-Training::Training(const ContactFamily& family, const TrainingMethod& method, const TrainingContact& contact,
+Training::Training(const Shared<ContactFamily>& family, const TrainingMethod& method, const TrainingContact& contact,
                    const TrainingOptions& options)
     : family_(family),
       method_(method),
       contact_(contact),
       options_(options),
-      candidates_(checked_candidates(family, options)),
+      candidates_(checked_candidates(*family, options)),
       sampled_(candidates_.size(), false),
       compression_(
           options.compression.value_or(method.integrator ? Compression::pod_and_dual_basis : Compression::none)),
-      state_(family.at(first_sample()).constraints(), pod_options(options)),
+      state_(family->at(first_sample()).constraints(), pod_options(options)),
       indicator_steps_(checked_indicator_steps(method, options)) {
     if (options.max_iterations < 1)
         throw InputError("TrainingOptions: max_iterations is " + std::to_string(options.max_iterations) +
@@ -134,13 +134,13 @@ TrainingResult Training::run() {
 Parameter Training::first_sample() const {
     if (options_.first) return *options_.first;
     if (options_.selection == Selection::in_order) return candidates_.front();
-    return candidates_[static_cast<std::size_t>(nearest_to_centre(candidates_, family_.lower(), family_.upper()))];
+    return candidates_[static_cast<std::size_t>(nearest_to_centre(candidates_, family_->lower(), family_->upper()))];
 }
 
 /// Takes up the state of the checkpoint, if there is one.
 bool Training::resume() {
     if (options_.checkpoint.empty()) return false;
-    identity_ = training_identity(family_, method_, options_, pod_options(options_));
+    identity_ = training_identity(*family_, method_, options_, pod_options(options_));
     if (!read_checkpoint(options_.checkpoint, identity_, state_)) return false;
     if (samples() > options_.max_iterations)
         throw InputError("train: checkpoint " + options_.checkpoint.string() + " holds " + std::to_string(samples()) +
@@ -216,7 +216,7 @@ bool Training::run_full(const Parameter& gamma) {
     MarchReport march;
     {
         const Stopwatch watch(current().seconds_full);
-        const ContactProblem problem = family_.at(gamma);
+        const ContactProblem problem = family_->at(gamma);
         SnapshotRecorder recorder(problem.size(), method_.integrator ? method_.grid.steps : 0, options_.snapshots,
                                   state_.dual, [this](const auto& snapshots) { take_primal(snapshots); });
         std::vector<Observer> observers{recorder.observer()};
@@ -255,7 +255,7 @@ ReducedBasis Training::raw_basis() const {
 
 bool Training::compress() {
     if (!tell("dual basis", 0)) return false;
-    CompressedBasis built = compressed_basis(family_.at(current().gamma), state_.pod, state_.dual,
+    CompressedBasis built = compressed_basis(family_->at(current().gamma), state_.pod, state_.dual,
                                              {options_.sizes(samples()), options_.pod_tolerance, options_.primal,
                                               options_.dual_basis, options_.supremizers},
                                              [this](double fraction) { return tell("dual basis", fraction); });
@@ -273,7 +273,7 @@ bool Training::compress() {
 bool Training::build_basis() {
     if (compression_ == Compression::none) {
         const Stopwatch watch(current().seconds_projection);
-        if (state_.raw.cols() > 0) state_.basis = modal_basis(family_.at(current().gamma), raw_basis());
+        if (state_.raw.cols() > 0) state_.basis = modal_basis(family_->at(current().gamma), raw_basis());
     } else if (!compress()) {
         return false;
     }
@@ -359,8 +359,9 @@ std::string_view to_string(StopReason reason) {
     return "unknown";
 }
 
-TrainingResult train(const ContactFamily& family, const TrainingMethod& method, const TrainingContact& contact,
-                     const TrainingOptions& options) {
+TrainingResult train(const Shared<ContactFamily>& family, const TrainingMethod& method,
+                     const TrainingContact& contact, const TrainingOptions& options) {
+    if (!family) throw InputError("train: the family is null");
     return Training(family, method, contact, options).run();
 }
 

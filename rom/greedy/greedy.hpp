@@ -119,7 +119,7 @@ struct [[nodiscard]] TrainingResult {
     Parameter failed_gamma;                        ///< where a run failed
     long failed_step = 0;                          ///< its step; 0 in statics
     ReducedBasis basis;                            ///< modal; of the last iteration that completed one, else empty
-    std::shared_ptr<const ContactFamily> reduced;  ///< the family in that basis; the full family must outlive it
+    std::shared_ptr<const ContactFamily> reduced;  ///< the family in that basis, which holds the full one
     std::vector<TrainingIteration> history;
 };
 
@@ -128,9 +128,9 @@ struct [[nodiscard]] TrainingResult {
 /// ends training with its outcome; the basis reached is kept. Seconds aside, the same input gives the same result.
 /// Beside the full problem memory holds one block of snapshots (SnapshotRecorder), the POD's n x 2 max_vectors, the dual
 /// snapshots' non-zero entries and a basis, whatever the steps and samples. InputError for options that do not fit the
-/// family, or a checkpoint of another training. (Balajewicz, Amsallem, Farhat, section 4; the stopping rule is
+/// family, a null family, or a checkpoint of another training. (Balajewicz, Amsallem, Farhat, section 4; the stopping rule is
 /// printed reversed there.)
-TrainingResult train(const ContactFamily& family, const TrainingMethod& method, const TrainingContact& contact,
-                     const TrainingOptions& options);
+TrainingResult train(const Shared<ContactFamily>& family, const TrainingMethod& method,
+                     const TrainingContact& contact, const TrainingOptions& options);
 
 }  // namespace tact

@@ -6,7 +6,7 @@
 
 namespace tact {
 
-TrainingError::TrainingError(const ContactFamily& family, TrainingMethod method, TrainingContact contact,
+TrainingError::TrainingError(const Shared<ContactFamily>& family, TrainingMethod method, TrainingContact contact,
                              std::vector<Parameter> samples)
     : family_(family), method_(std::move(method)), contact_(std::move(contact)), samples_(std::move(samples)) {
     if (samples_.empty()) throw InputError("TrainingError: there are no samples, expected at least one");
@@ -19,10 +19,10 @@ void TrainingError::meet(const DenseMatrix& U) {
     R_ = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
     const DenseMatrix Q = qr.householderQ() * DenseMatrix::Identity(n, p);
     ContactWorkspace workspace(contact_.full);
-    const Index m = family_.at(samples_.front()).constraints();
+    const Index m = family_->at(samples_.front()).constraints();
     const auto reduced = reduce(family_, {U, DenseMatrix(m, 0)});
     for (const Parameter& gamma : samples_) {
-        const ContactProblem full = family_.at(gamma);
+        const ContactProblem full = family_->at(gamma);
         if (runs_.empty()) B_U_ = full.B.times(U);
         Run& run = runs_.emplace_back(Run{reduced->at(gamma), full.c, DenseMatrix::Zero(p, columns)});
         const std::vector<Observer> record{[&](const State& state, const StepReport&) {

@@ -11,8 +11,8 @@ namespace tact {
 /// steps, P u being the best that U can do. Full runs are marched once for each U it meets, and kept as p numbers a step.
 class TrainingError {
 public:
-    /// `family` must outlive it. InputError without samples.
-    TrainingError(const ContactFamily& family, TrainingMethod method, TrainingContact contact,
+    /// Holds the family. InputError without samples.
+    TrainingError(const Shared<ContactFamily>& family, TrainingMethod method, TrainingContact contact,
                   std::vector<Parameter> samples);
     /// Infinite where a reduced run does not converge. NumericalError where a full one does not.
     double operator()(const DenseMatrix& U, const std::vector<Index>& rows);
@@ -26,7 +26,7 @@ private:
     };
     void meet(const DenseMatrix& U);
 
-    const ContactFamily& family_;
+    Shared<ContactFamily> family_;
     TrainingMethod method_;
     TrainingContact contact_;
     std::vector<Parameter> samples_;

@@ -4,7 +4,7 @@ namespace tact {
 namespace {
 
 /// In one object from beginning to end: moving a report about makes GCC 12 warn of members that an empty optional lacks.
-MarchReport static_run(const ContactProblem& problem, ContactWorkspace& workspace,
+MarchReport static_run(const ContactProblem& problem, const ContactWorkspace& workspace,
                        std::span<const Observer> observers) {
     MarchReport report;
     StaticSolution solution = solve_static(problem, workspace);

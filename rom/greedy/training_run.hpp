@@ -14,7 +14,7 @@ struct TrainingMethod {
 };
 
 /// A march, or a static solution, told to the observers as a state at step 0.
-MarchReport run_by(const TrainingMethod& method, const ContactProblem& problem, ContactWorkspace& workspace,
+MarchReport run_by(const TrainingMethod& method, const ContactProblem& problem, const ContactWorkspace& workspace,
                    std::span<const Observer> observers);
 
 }  // namespace tact

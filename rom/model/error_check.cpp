@@ -9,20 +9,20 @@ double ratio(double squares, double size) { return squares > 0 ? std::sqrt(squar
 
 }  // namespace
 
-ErrorCheck::ErrorCheck(const ReducedModel& model) : model_(model) {
-    const ErrorChecks& checks = model.data().checks;
+ErrorCheck::ErrorCheck(const Shared<ReducedModel>& model) : owned_(model) {
+    const ErrorChecks& checks = model_.data().checks;
     gap_.resize(static_cast<Index>(checks.rows.size()));
     unknown_.resize(static_cast<Index>(checks.unknowns.size()));
 }
 
-void ErrorCheck::begin(const Parameter& gamma, const ContactProblem& reduced) {
+void ErrorCheck::begin(const Parameter& gamma, const Shared<ContactProblem>& reduced) {
     gamma_ = gamma;
-    reduced_ = &reduced;
+    reduced_ = reduced;
     penetration_ = residual_ = size_ = 0;
-    if (gap_.size() > 0 && reduced.c.constant()) model_.checked_gap(gamma, 0, gap_);
-    if (unknown_.size() > 0 && !reduced.is_static())
-        inertia_ = DenseLinearSolver().factorize(reduced.M ? *reduced.M : *reduced.D);
-    load_.resize(reduced.f.modes.cols());
+    if (gap_.size() > 0 && reduced->c.constant()) model_.checked_gap(gamma, 0, gap_);
+    if (unknown_.size() > 0 && !reduced->is_static())
+        inertia_ = DenseLinearSolver().factorize(reduced->M ? *reduced->M : *reduced->D);
+    load_.resize(reduced->f.modes.cols());
 }
 
 void ErrorCheck::add(const State& state) {

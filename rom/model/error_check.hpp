@@ -12,11 +12,11 @@ namespace tact {
 /// with few rows. One thread at a time.
 class ErrorCheck {
 public:
-    /// `model` must outlive the check.
-    explicit ErrorCheck(const ReducedModel& model);
+    /// Holds the model.
+    explicit ErrorCheck(const Shared<ReducedModel>& model);
 
-    /// The next answer: `reduced` is the model's problem at gamma and must outlive it.
-    void begin(const Parameter& gamma, const ContactProblem& reduced);
+    /// The next answer: `reduced` is the model's problem at gamma, held until the next.
+    void begin(const Parameter& gamma, const Shared<ContactProblem>& reduced);
     /// A state of it; those that are not in J are left out.
     void add(const State& state);
 
@@ -27,9 +27,10 @@ public:
 
 private:
     void add_residual(const State& state);
-    const ReducedModel& model_;
+    Shared<ReducedModel> owned_;
+    const ReducedModel& model_ = *owned_;
     Parameter gamma_;
-    const ContactProblem* reduced_ = nullptr;
+    Shared<ContactProblem> reduced_;
     std::unique_ptr<const Factor> inertia_;  // of M_r, or D_r where there is no M
     Vector gap_, row_, rate_, unknown_, load_;
     double penetration_ = 0, residual_ = 0, size_ = 0;

@@ -5,13 +5,15 @@
 #include <exception>
 #include <thread>
 
+#include "../../lib/time/naming.hpp"
+
 namespace tact {
 
 /// One thread's solver: workspaces that keep their factors from query to query.
 class Online::Worker {
 public:
-    Worker(const ReducedModel& model, const OnlineMethod& method, const OnlineOptions& options)
-        : model_(model), method_(method), options_(options), workspace_(method_.contact), check_(model_) {}
+    Worker(const Shared<ReducedModel>& model, const OnlineMethod& method, const OnlineOptions& options)
+        : owned_(model), method_(method), options_(options), workspace_(method_.contact), check_(model) {}
 
     Answer solve(const Parameter& gamma) {
         Answer answer;
@@ -42,8 +44,9 @@ private:
 
     void reduced(const Parameter& gamma, Answer& answer) {
         const ReducedQuantities& quantities = model_.data().quantities;
-        const ContactProblem problem = model_.at(gamma);
-        check_.begin(gamma, problem);
+        const Shared<ContactProblem> shared = model_.at(gamma);
+        const ContactProblem& problem = *shared;
+        check_.begin(gamma, shared);
         Index count = 0;
         const Index most = method_.integrator ? model_.data().method.grid.steps / options_.stride + 2 : 1;
         answer.quantities.resize(quantities.Q.rows(), most);
@@ -117,7 +120,7 @@ private:
     }
 
     template <class Record>
-    void run(const ContactProblem& problem, ContactWorkspace& workspace, Answer& answer, State& state,
+    void run(const ContactProblem& problem, const ContactWorkspace& workspace, Answer& answer, State& state,
              const Record& record) const {
         if (method_.integrator) {
             const Observer observer = [&](const State& at, const StepReport&) {
@@ -142,13 +145,24 @@ private:
         if (answer.outcome == Outcome::converged) record(state);
     }
 
-    const ReducedModel& model_;
+    Shared<ReducedModel> owned_;
+    const ReducedModel& model_ = *owned_;
     const OnlineMethod& method_;
     const OnlineOptions& options_;
     ContactWorkspace workspace_;
     std::optional<ContactWorkspace> full_workspace_;
     ErrorCheck check_;
 };
+
+OnlineMethod online_method(const ReducedModel& model, const Registry& registry) {
+    const ReducedMethod& trained = model.data().method;
+    const WithOptions dense = WithOptions("dense")
+                                  .add_unless(0, "compliance", trained.compliance)
+                                  .add_unless(1, "screening", trained.screening ? 1 : 0);
+    OnlineMethod method{registry.contact(dense.text()), nullptr};
+    if (!trained.integrator.empty()) method.integrator = registry.integrator(trained.integrator);
+    return method;
+}
 
 Online::Online(std::shared_ptr<const ReducedModel> model, OnlineMethod method, OnlineOptions options)
     : model_(std::move(model)), method_(std::move(method)), options_(std::move(options)) {
@@ -167,7 +181,7 @@ Online::Online(std::shared_ptr<const ReducedModel> model, OnlineMethod method, O
                              " quantities, expected the model's " +
                              std::to_string(model_->data().quantities.names.size()));
     }
-    worker_ = std::make_unique<Worker>(*model_, method_, options_);
+    worker_ = std::make_unique<Worker>(model_, method_, options_);
 }
 
 Online::~Online() = default;
@@ -193,8 +207,7 @@ std::vector<Answer> Online::solve_many(std::span<const Parameter> gammas, int th
     std::atomic<std::size_t> next = 0;
     const auto work = [&](std::size_t thread) {
         try {
-            const ReducedModel own = model_->unshared();
-            Worker worker(own, method_, options_);
+            Worker worker(model_->unshared(), method_, options_);
             for (std::size_t k = next.fetch_add(block); k < gammas.size(); k = next.fetch_add(block))
                 for (std::size_t j = k; j < std::min(k + block, gammas.size()); ++j)
                     answers[j] = worker.solve(gammas[j]);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "../../lib/time/registry.hpp"
 #include "build_reduced_model.hpp"
 #include "error_check.hpp"
 
@@ -14,6 +15,10 @@ struct OnlineMethod {
     std::shared_ptr<const ContactSolver> contact;
     std::shared_ptr<const Integrator> integrator;
 };
+
+/// What the model names, made by the caller's registry (the one of component tact, or one with a user's own methods).
+/// InputError if the registry does not know the integrator.
+OnlineMethod online_method(const ReducedModel& model, const Registry& registry);
 
 /// Answers where the reduced model is not to be trusted or fails.
 struct FullModel {

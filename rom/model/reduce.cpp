@@ -65,9 +65,9 @@ Vector project_state(const DenseMatrix& U, const Matrix* W, const Vector& u) {
 
 class ReducedFamily final : public ContactFamily {
 public:
-    ReducedFamily(const ContactFamily& family, const ReducedBasis& basis)
-        : family_(family), names_(family.names()), lower_(family.lower()), upper_(family.upper()) {
-        const ContactProblem full = family.at((lower_ + upper_) / 2);
+    ReducedFamily(const Shared<ContactFamily>& family, const ReducedBasis& basis)
+        : family_(family), names_(family->names()), lower_(family->lower()), upper_(family->upper()) {
+        const ContactProblem full = family->at((lower_ + upper_) / 2);
         if (!names_.empty() && full.constraints() > 0 && !full.c.constant())
             throw InputError("reduce: the gap of a family with parameters varies in time, expected a constant one");
         reduced_ = reduce(full, basis);
@@ -86,7 +86,7 @@ public:
     std::vector<std::string> names() const override { return names_; }
     Parameter lower() const override { return lower_; }
     Parameter upper() const override { return upper_; }
-    std::vector<std::string> varying() const override { return family_.varying(); }
+    std::vector<std::string> varying() const override { return family_->varying(); }
 
     ContactProblem at(const Parameter& gamma) const override {
         ContactProblem problem = reduced_;
@@ -102,7 +102,7 @@ public:
 private:
     Vector reduced_gap(const Parameter& gamma) const {
         Vector c(static_cast<Index>(touched_.size()));
-        family_.gap(gamma, touched_, c);
+        family_->gap(gamma, touched_, c);
         Vector c_r(reduced_.constraints());
         if (dense_.size() > 0)
             c_r.noalias() = dense_.transpose() * c;
@@ -121,7 +121,7 @@ private:
         throw InputError("reduce: the reduced gap overflows, expected finite entries");
     }
 
-    const ContactFamily& family_;
+    Shared<ContactFamily> family_;
     std::vector<std::string> names_;
     Parameter lower_, upper_;
     ContactProblem reduced_;
@@ -160,22 +160,23 @@ InternalForce project_force(const InternalForce& r, const DenseMatrix& basis) {
 /// A family of which more than the gap varies.
 class ProjectedFamily final : public ContactFamily {
 public:
-    ProjectedFamily(const ContactFamily& family, ReducedBasis basis) : family_(family), basis_(std::move(basis)) {
-        validate(basis_, family.at((family.lower() + family.upper()) / 2));
+    ProjectedFamily(const Shared<ContactFamily>& family, ReducedBasis basis)
+        : family_(family), basis_(std::move(basis)) {
+        validate(basis_, family->at((family->lower() + family->upper()) / 2));
     }
-    std::vector<std::string> names() const override { return family_.names(); }
-    Parameter lower() const override { return family_.lower(); }
-    Parameter upper() const override { return family_.upper(); }
-    std::vector<std::string> varying() const override { return family_.varying(); }
-    Vector coefficients(const Parameter& gamma) const override { return family_.coefficients(gamma); }
-    ContactProblem at(const Parameter& gamma) const override { return reduce(family_.at(gamma), basis_); }
+    std::vector<std::string> names() const override { return family_->names(); }
+    Parameter lower() const override { return family_->lower(); }
+    Parameter upper() const override { return family_->upper(); }
+    std::vector<std::string> varying() const override { return family_->varying(); }
+    Vector coefficients(const Parameter& gamma) const override { return family_->coefficients(gamma); }
+    ContactProblem at(const Parameter& gamma) const override { return reduce(family_->at(gamma), basis_); }
     void gap(const Parameter& gamma, std::span<const Index> rows, VectorRef out) const override {
         const Vector c = at(gamma).c.at(0);
         for (std::size_t k = 0; k < rows.size(); ++k) out[static_cast<Index>(k)] = c[rows[k]];
     }
 
 private:
-    const ContactFamily& family_;
+    Shared<ContactFamily> family_;
     ReducedBasis basis_;
 };
 
@@ -202,8 +203,9 @@ ContactProblem reduce(const ContactProblem& full, const ReducedBasis& basis) {
     return reduced;
 }
 
-std::unique_ptr<ContactFamily> reduce(const ContactFamily& family, const ReducedBasis& basis) {
-    if (!only_gap_varies(family)) return std::make_unique<ProjectedFamily>(family, basis);
+std::unique_ptr<ContactFamily> reduce(const Shared<ContactFamily>& family, const ReducedBasis& basis) {
+    if (!family) throw InputError("reduce: the family is null");
+    if (!only_gap_varies(*family)) return std::make_unique<ProjectedFamily>(family, basis);
     return std::make_unique<ReducedFamily>(family, basis);
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "../../lib/problem/contact_family.hpp"
+#include "../../lib/shared.hpp"
 #include "reduced_basis.hpp"
 
 namespace tact {
@@ -25,8 +26,8 @@ ContactProblem reduce(const ContactProblem& problem, const ReducedBasis& basis);
 /// are projected at the centre of the box, once, and shared by all reduced problems; `at(gamma)` evaluates c on the rows
 /// that U_lambda touches, and nothing else of the full size, and `gap` gives rows of c_r. Where other parts vary, `at` projects
 /// the full problem each time (build_reduced_model.hpp does without). InputError if the family has parameters and a gap that
-/// varies in time. `family` must outlive the result.
-std::unique_ptr<ContactFamily> reduce(const ContactFamily& family, const ReducedBasis& basis);
+/// varies in time. The result holds the family.
+std::unique_ptr<ContactFamily> reduce(const Shared<ContactFamily>& family, const ReducedBasis& basis);
 
 /// Smallest over largest singular value of B_r: how far the reduced constraints are from dependent. 0 if p_lambda > p,
 /// 1 without constraints.

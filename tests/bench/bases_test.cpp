@@ -20,7 +20,7 @@ TEST(ReferenceRuns, AgreeWithTheErrorsOfRunsMadeAnew) {
     options.max_iterations = 1;
     options.sizes = [](int) { return BasisSizes{8, 4}; };
     const TrainingResult trained =
-        train(*scene.family, {scheme.integrator, scheme.grid},
+        train(scene.family, {scheme.integrator, scheme.grid},
               {std::make_shared<DenseContact>(), std::make_shared<DenseContact>()}, options);
     ASSERT_EQ(trained.outcome, Outcome::converged);
     const std::vector<Parameter> tests = tensor_grid(scene.family->lower(), scene.family->upper(), {3, 1});

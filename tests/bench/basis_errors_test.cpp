@@ -29,7 +29,7 @@ TEST(BasisErrors, AreTheLibrarysRelativeErrors) {
             scene.is_static() ? Scheme{} : Scheme{std::make_shared<Bdf2>(), TimeGrid::until(0.4, 0.02)};
         const std::vector<Parameter> gammas{Eigen::Vector2d(0.4, 0.5), Eigen::Vector2d(0.6, 0.3)};
         const ReducedBasis basis = sines(scene.family->at(gammas[0]), 5);
-        const std::shared_ptr<const ContactFamily> reduced = reduce(*scene.family, basis);
+        const std::shared_ptr<const ContactFamily> reduced = reduce(scene.family, basis);
         ContactWorkspace workspace(study_contact().full), reduced_workspace(study_contact().reduced);
         const FullStates full = full_states(scene, scheme, gammas, workspace);
         EXPECT_EQ(full.width(), scene.is_static() ? 1 : 21);

@@ -28,7 +28,7 @@ TEST(Case, StaticObstacle) {
 TEST(Case, DynamicObstacleInTheOrderAskedFor) {
     const Json json =
         run_case({.scene = "dynamic-obstacle", .n = 16, .gamma = {0.6, 0.6}, .t_end = 0.5, .at = {0.5, 0, 0.25}});
-    EXPECT_EQ(json["integrator"], "BDF2");
+    EXPECT_EQ(json["integrator"], "bdf2");
     EXPECT_EQ(json["steps"], 100);
     ASSERT_EQ(json["states"].size(), 3u);
     EXPECT_EQ(json["states"][0]["step"], 100);

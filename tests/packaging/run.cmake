@@ -1,5 +1,7 @@
 # cmake -DBUILD=... -DFOLDER=... -DCOMPILER=... -DGENERATOR=... -DCOMPONENTS=... -P run.cmake
 # Installs the library into FOLDER, then builds and runs the project beside this file against it.
+cmake_minimum_required(VERSION 3.25)
+
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
   if(code)
@@ -42,6 +44,7 @@ run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${FOLDER}/prefix")
 build_and_run(reduced "core;contact_dense;rom" SUNDIALS SuiteSparse GSL SerialHDF5 nlohmann_json GTest)
 build_and_run(all "${COMPONENTS}")
 
+build_and_run(front "tact" GSL SerialHDF5 nlohmann_json GTest)
 configure(refused "contact" SuiteSparse)
 if(NOT code OR NOT output MATCHES "SuiteSparse")
   message(FATAL_ERROR "a missing SuiteSparse is not named:\n${output}")

@@ -120,7 +120,7 @@ Made make(const Setting& setting, const BasisStudyRecipe& recipe, const DualBasi
     wanted.supremizers.share = recipe.supremizers;
     wanted.supremizers.linear = std::make_shared<CholmodSolver>();
     wanted.supremizers.a = scheme.integrator ? 1.5 / scheme.grid.dt : 0;
-    TrainingError training_error(family, {scheme.integrator, scheme.grid},
+    TrainingError training_error(setting.study.scene.family, {scheme.integrator, scheme.grid},
                                  {std::make_shared<AutomaticContact>(), contact_of(recipe)}, setting.samples);
     if (recipe.swaps > 0)
         wanted.dual_basis = selected_rows({.tries = recipe.swaps, .error = std::ref(training_error)});
@@ -131,7 +131,7 @@ Made make(const Setting& setting, const BasisStudyRecipe& recipe, const DualBasi
         if (recipe.bodies) wanted.primal.body_of = connected_bodies(problem.K);
         hold_static_modes(setting, problem, std::lround(recipe.static_modes * static_cast<double>(p)), wanted);
         made.basis = compressed_basis(problem, setting.snapshots.primal, setting.snapshots.dual, wanted).basis;
-        made.reduced = reduce(family, made.basis);
+        made.reduced = reduce(setting.study.scene.family, made.basis);
     });
     return made;
 }

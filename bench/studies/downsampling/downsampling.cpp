@@ -61,7 +61,7 @@ Json row_of(const PaperStudy& study, const Scheme& scheme, const FullRun& full, 
     const CompressedBasis built =
         compressed_basis(family.at({}), kept.primal, dual, recipe, [](double) { return !interrupted(); });
     throw_if_interrupted();
-    const TestedBasis basis{built.basis.U, reduce(family, built.basis)};
+    const TestedBasis basis{built.basis.U, reduce(study.scene.family, built.basis)};
     const double percent = squared_percents(basis, scheme, full.states).front();
     Json row{{"selection", selection}, {"stride", nullptr}, {"tolerance", nullptr}};
     if (selection == tolerance)

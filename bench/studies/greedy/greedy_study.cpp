@@ -107,7 +107,7 @@ TestedBasis random_basis(const PaperStudy& study, Index samples, std::uint32_t s
     basis.U_lambda.resize(basis.U.rows(), static_cast<Index>(multipliers.size()));
     for (std::size_t j = 0; j < multipliers.size(); ++j) basis.U_lambda.col(static_cast<Index>(j)) = multipliers[j];
     basis = modal_basis(family.at(family.lower()), basis);
-    return {basis.U, reduce(family, basis)};
+    return {basis.U, reduce(study.scene.family, basis)};
 }
 
 /// The same search when the box's faces are among the candidates: it then need not extrapolate to them.

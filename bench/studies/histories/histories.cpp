@@ -53,7 +53,7 @@ Trained trained(PaperStudy study) {
     };
     made.result = train_with_progress(made.study, {made.scheme.integrator, made.scheme.grid}, training);
     if (singular.cols() > 0)
-        made.by_singular_vectors = reduce(*made.study.scene.family, {made.result.basis.U, singular, DualSigns::any});
+        made.by_singular_vectors = reduce(made.study.scene.family, {made.result.basis.U, singular, DualSigns::any});
     return made;
 }
 

@@ -45,7 +45,8 @@ ReducedModelData calibrated_model(const Setting& s, const TrainingResult& traine
     const Index p = trained.basis.primal_size(), n = trained.basis.U.rows();
     ReducedModelOptions options;
     if (s.method.integrator) options.method = {s.method.integrator->name(), s.method.grid};
-    options.check_rows = penetrated_rows(family, trained.basis, s.method, s.contact, s.calibration, 2 * p);
+    options.check_rows =
+        penetrated_rows(s.study.scene.family, trained.basis, s.method, s.contact, s.calibration, 2 * p);
     const Index rows = 2 * p;
     for (Index k = 0; k < rows; ++k) options.check_unknowns.push_back((2 * k + 1) * n / (2 * rows));
     options.training = training_record(trained);
@@ -128,7 +129,7 @@ void add_bound(Json& row, const ReducedModelData& data, const TrainingResult& tr
     if (s.method.integrator) return;
     const ContactFamily& family = *s.study.scene.family;
     ContactWorkspace full(s.contact.full), reduced(s.contact.reduced);
-    const StaticErrorBound bound(family, trained.basis, CholmodSolver(), full);
+    const StaticErrorBound bound(s.study.scene.family, trained.basis, CholmodSolver(), full);
     const ReducedModel model(data);
     std::vector<double> ratios;
     for (const Parameter& gamma : s.tests) {

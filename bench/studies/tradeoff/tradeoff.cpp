@@ -197,7 +197,7 @@ void add_reduced(Json& rows, const Ladder& wanted, const DenseMatrix& reference)
                 std::unique_ptr<ContactFamily> reduced;
                 const double built = seconds_of([&] {
                     basis = compressed_basis(family.at(samples.front()), primal, dual, sizes).basis;
-                    reduced = reduce(family, basis);
+                    reduced = reduce(scene.family, basis);
                 });
                 ContactWorkspace workspace(
                     std::make_shared<DenseContact>(DenseContactOptions{.compliance = recipe.compliance}));

@@ -248,7 +248,7 @@ void reduced_answer(Json& answers, bool small) {
     options.sizes = [](int) { return BasisSizes{40, 40}; };
     options.observer = [](const TrainingProgress&) { return interrupted() ? Flow::stop : Flow::proceed; };
     const TrainingResult trained =
-        train(*study.family, {scheme.integrator, scheme.grid},
+        train(study.family, {scheme.integrator, scheme.grid},
               {std::make_shared<AutomaticContact>(), std::make_shared<DenseContact>()}, options);
     throw_if_interrupted();
     const ContactProblem reduced = trained.reduced->at({});

@@ -67,7 +67,7 @@ std::string parameter_text(const PrecisionMethod& method, double parameter, cons
 
 }  // namespace
 
-std::unique_ptr<Integrator> PrecisionMethod::make(double tolerance) const {
+Shared<Integrator> PrecisionMethod::make(double tolerance) const {
     if (!adaptive) return integrator(name);
     return integrator(name + (name.find(':') == std::string::npos ? ":" : ",") + "rtol=" + digits(tolerance, 6));
 }

@@ -22,7 +22,7 @@ struct PrecisionMethod {
     std::string label() const { return adaptive && name.rfind("ida", 0) != 0 ? name + ", adaptive" : name; }
     /// Whether it is a variant whose impact law is an option.
     bool has_impact_law() const { return name.find(":e=") != std::string::npos; }
-    std::unique_ptr<Integrator> make(double tolerance) const;
+    Shared<Integrator> make(double tolerance) const;
 };
 /// All; those with an impact law as an option last.
 const std::vector<PrecisionMethod>& precision_methods();

@@ -78,7 +78,7 @@ TEST(RomFile, LoadedMarchAnswersToTheSameBits) {
     save_reduced_model(path, data);
     const ReducedModel loaded(load_reduced_model(path));
     const ReducedMethod& method = loaded.data().method;
-    EXPECT_EQ(method.integrator, "BDF2");
+    EXPECT_EQ(method.integrator, "bdf2");
     EXPECT_EQ(method.compliance, 0.3);
     ContactWorkspace contact(std::make_shared<DenseContact>());
     const MarchReport a = integrate(Bdf2(), loaded.at({}), method.grid, contact);

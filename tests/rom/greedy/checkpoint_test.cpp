@@ -65,7 +65,7 @@ void expect_same(const TrainingResult& a, const TrainingResult& b) {
 TEST(Train, IsTheSameToTheLastBitForAnyNumberOfThreads) {
     const ChainFamily moving(41), still(41, {.mass = false, .moving_load = false});
     for (const bool dynamic : {false, true}) {
-        const ContactFamily& family = dynamic ? moving : still;
+        const ChainFamily& family = dynamic ? moving : still;
         TrainingOptions options = over_grid(family, 4);
         options.weights = {1, 1, 1};
         const TrainingResult one = train(family, dynamic ? marching : TrainingMethod{}, contact, options);
@@ -137,7 +137,8 @@ TEST(Train, GoesOnFromACheckpointWithMoreIterationsOrAnotherEpsilon) {
     std::filesystem::remove(options.checkpoint);
 }
 
-std::string refusal(const ContactFamily& family, const TrainingMethod& method, const TrainingOptions& options) {
+std::string refusal(const Shared<ContactFamily>& family, const TrainingMethod& method,
+                    const TrainingOptions& options) {
     try {
         (void)train(family, method, contact, options);
     } catch (const InputError& error) {

@@ -1,0 +1,20 @@
+// The front door: #include <tact/tact.hpp>, link tact::tact. Problems, every integrator, and what solves and marches.
+#pragma once
+
+#include "contact/automatic.hpp"
+#include "door/march.hpp"
+#include "door/registry.hpp"
+#include "door/solve.hpp"
+#include "integrators/bdf2_without_jump.hpp"
+#include "integrators/central_difference.hpp"
+#include "integrators/moreau_jean.hpp"
+#include "integrators/quasi_static.hpp"
+#include "integrators/sundials/arkode.hpp"
+#include "integrators/sundials/bdf2.hpp"
+#include "integrators/sundials/ida.hpp"
+#include "integrators/trapezoid.hpp"
+#include "lib/problem/contact_family.hpp"
+#include "lib/time/energy.hpp"
+#include "lib/time/impact_ledger.hpp"
+#include "lib/time/scheme.hpp"
+#include "lib/time/trajectory.hpp"
