@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Figures in README.md and docs/*.md are those of docs/results/*.json. With --write they are made so.
 
-A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup), FORMAT is a function of
-bench/harness/index.py: number, seconds, times, percent."""
+A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup) or names a figure of
+derived() in bench/harness/index.py, FORMAT is a function there: number, seconds, times, percent, share (of a fraction),
+in_norm (of a squared error), root (of a ratio of squared errors)."""
 import json
 import re
 import sys
@@ -14,10 +15,13 @@ sys.dont_write_bytecode = True
 import index  # noqa: E402
 
 FIGURE = re.compile(r"<!--= (\S+) (\S+) (\S+) -->(.*?)<!--/-->")
-FORMATS = {name: getattr(index, name) for name in ("number", "seconds", "times", "percent")}
+FORMATS = {name: getattr(index, name) for name in ("number", "seconds", "times", "percent", "share", "in_norm", "root")}
 
 
 def value(study, path):
+    counted = index.derived(index.Results(ROOT / "docs/results"))
+    if (study, path) in counted:
+        return counted[study, path]
     with open(ROOT / f"docs/results/{study}.json") as file:
         at = json.load(file)
     for step in path.split("."):
