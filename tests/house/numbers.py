@@ -4,7 +4,7 @@
 A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup) or names a figure of
 derived() in bench/harness/index.py, FORMAT is a function there: number, seconds, times, percent, share (of a fraction),
 in_norm (of a squared error), root (of a ratio of squared errors)."""
-import json
+import functools
 import re
 import sys
 from pathlib import Path
@@ -18,12 +18,20 @@ FIGURE = re.compile(r"<!--= (\S+) (\S+) (\S+) -->(.*?)<!--/-->")
 FORMATS = {name: getattr(index, name) for name in ("number", "seconds", "times", "percent", "share", "in_norm", "root")}
 
 
+@functools.cache
+def results():
+    return index.Results(ROOT / "docs/results")
+
+
+@functools.cache
+def counted():
+    return index.derived(results())
+
+
 def value(study, path):
-    counted = index.derived(index.Results(ROOT / "docs/results"))
-    if (study, path) in counted:
-        return counted[study, path]
-    with open(ROOT / f"docs/results/{study}.json") as file:
-        at = json.load(file)
+    if (study, path) in counted():
+        return counted()[study, path]
+    at = results().data[study]
     for step in path.split("."):
         at = at[int(step)] if isinstance(at, list) else at[step]
     return at

@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogFormatter  # noqa: E402
 
 STYLE = {
     "NNMF": ("#1b6ca8", "o"), "NNMF, random starts": ("#6aaed6", "o"), "NNMF, multiplicative": ("#6aaed6", "v"),
@@ -50,6 +51,7 @@ def main(data_file, figure_file):
         low, high = axes.get_xlim()
         axes.set_xlim(min(low, middle / 3), max(high, middle * 3))
         axes.grid(which="major", alpha=0.3)
+        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))  # two decades have few tens
         axes.set_title(scene if integrator == "none" else f"{scene}, {integrator}", fontsize=9)
         axes.set_xlabel("µs a query" if integrator == "none" else "µs a step")
     for line in grid:

@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogFormatter  # noqa: E402
 
 STYLES = {"every k-th step": ("#b2182b", "o"), "every k-th step, all multipliers": ("#1b6ca8", "s"), "tolerance": ("#1b9e77", "D")}
 
@@ -39,6 +40,7 @@ def main(data_file, figure_file):
     axes.set_xticks([1, 2, 5, 10, 20, 50, 100])
     axes.set_xticklabels(["1", "2", "5", "10", "20", "50", "100"])
     axes.set_xlabel("share of the steps whose snapshots are kept, %")
+    axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))  # two decades have few tens
     axes.set_ylabel("relative error of u in the norm, %, against the training run")
     axes.grid(which="major", alpha=0.3)
     axes.legend(frameon=False, fontsize=9)

@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogFormatter  # noqa: E402
 
 STYLES = {
     "(1,0,0)": ("#b2182b", "o"), "(0,1,0)": ("#1b6ca8", "s"), "(0,0,1)": ("#1b9e77", "D"), "(1,1,0)": ("#e08214", "v"),
@@ -64,7 +65,8 @@ def main(data_file, figure_file):
         axes.set_title(f"{scene}: worst of {rows[0]['test_parameters']} parameters that are no candidates", fontsize=10)
         squared = axes.secondary_yaxis("right", functions=(lambda e: e**2 / 100, in_norm))
         squared.set_ylabel("squared, as the paper prints it, %")
-        axes.set_ylabel("worst relative error of u in the norm, %, against the full run")
+        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))  # two decades have few tens
+        axes.set_ylabel("worst relative error of u in the norm, %,\nagainst the full run of the same grid and steps")
         shown |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels())}
     figure.legend(shown.values(), shown, loc="lower center", ncol=5, frameon=False, fontsize=8.5)
     figure.get_layout_engine().set(rect=(0, 0.11, 1, 0.89))

@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogFormatter  # noqa: E402
 
 COLOURS = {"none": "#1b6ca8", "bdf2": "#1b6ca8", "trapezoid": "#d95f0e", "bdf2-without-jump": "#1b9e77",
            "central-difference": "#e6194b"}
@@ -39,6 +40,7 @@ def main(data_file, figure_file):
         axes.axhline(in_norm(reference["own_error_percent"]), color="#7f7f7f", linewidth=0.8, linestyle="--")
         axes.set_xscale("log")
         axes.set_yscale("log")
+        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))  # two decades have few tens
         axes.grid(which="major", alpha=0.3)
         axes.set_title(reference["scene"], fontsize=10)
         axes.set_xlabel("seconds of a query")
