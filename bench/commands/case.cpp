@@ -1,13 +1,16 @@
 #include "case.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iostream>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include "../../contact/automatic.hpp"
+#include "../../lib/io/write_file.hpp"
 #include "../../lib/time/energy.hpp"
 #include "../harness/interrupt.hpp"
 #include "../harness/methods.hpp"
@@ -250,6 +253,52 @@ std::vector<std::array<double, 2>> parse_points(const std::string& text) {
         if (next != end && *next++ != ';') return reject();
     }
     return points;
+}
+
+namespace {
+
+std::function<int()> declare(CLI::App& command) {
+    struct Arguments {
+        CaseOptions options;
+        std::string points, out;
+    };
+    const auto arguments = std::make_shared<Arguments>();
+    CaseOptions& options = arguments->options;
+    std::string scenes;
+    for (const std::string& name : study_scene_names()) scenes += (scenes.empty() ? "" : ", ") + name;
+    command.add_option("scene", options.scene, scenes)->required();
+    command.add_option("--n", options.n, "Nodes a side or elements (the paper's 200, plates 100; else as usual)");
+    command.add_option("--gamma", options.gamma, "Parameters of the obstacle: G1,G2")->delimiter(',');
+    command.add_option("--dt", options.dt, "Time step (the paper's: .005, plates 2e-4; else the usual)");
+    command.add_option("--t-end", options.t_end, "End time (the paper's: 2, plates .4; else the usual)");
+    command.add_option(
+        "--integrator", options.integrator,
+        "bdf2, bdf2-without-jump, central-difference, trapezoid, moreau-jean, ida, ida-fixed, sdirk2, tr-bdf2, "
+        "esdirk32, "
+        "sdirk54, quasi-static; options after a colon: trapezoid:rho=0.3,e=0, ida:rtol=1e-5 (bdf2; without M "
+        "and D the equilibria at the times asked for)");
+    command.add_option("--at", options.at, "Times to report: T1,T2,... (the end)")->delimiter(',');
+    command.add_option("--points", arguments->points,
+                       "Points to report: X1,Y1;X2,Y2;... (the centre); on the line X1;X2;...");
+    command.add_option("--out", arguments->out, "json file (standard output)");
+    return [arguments] {
+        arguments->options.points = parse_points(arguments->points);
+        const Json json = run_case(arguments->options);
+        const std::string text = json.dump(2) + "\n";
+        if (arguments->out.empty())
+            std::cout << text;
+        else
+            write_file(arguments->out, text);
+        if (!json.contains("message")) return 0;
+        std::cerr << "tact-bench: " << json["message"].get<std::string>() << "\n";
+        return 1;
+    };
+}
+
+}  // namespace
+
+Command case_command() {
+    return {"case", "One full run: values at points and times, energies, KKT residuals", declare};
 }
 
 }  // namespace tact::bench

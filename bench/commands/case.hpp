@@ -9,6 +9,7 @@
 
 #include "../../lib/contact_solver.hpp"
 #include "../harness/machine.hpp"
+#include "command.hpp"
 
 namespace tact::bench {
 
@@ -35,5 +36,7 @@ Json run_case(const CaseOptions& options);
 
 /// "X1,Y1;X2,Y2", or "X1;X2" on the line (y is NaN). InputError for anything else.
 std::vector<std::array<double, 2>> parse_points(const std::string& text);
+
+Command case_command();
 
 }  // namespace tact::bench

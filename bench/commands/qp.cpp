@@ -1,8 +1,10 @@
 #include "qp.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 #include <optional>
 #include <set>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/io/matrix_market.hpp"
 #include "../../lib/io/write_file.hpp"
+#include "../harness/contact_solvers.hpp"
 #include "../harness/interrupt.hpp"
 #include "../harness/progress.hpp"
 #include "../harness/report.hpp"
@@ -320,6 +323,35 @@ std::string qp_table(const Json& problems) {
         if (row.contains("message")) messages += text("name") + ": " + text("message") + "\n";
     }
     return table(rows) + messages;
+}
+
+namespace {
+
+std::function<int()> declare(CLI::App& command) {
+    struct Arguments {
+        std::string folder, out, solver = "chooser";
+    };
+    const auto arguments = std::make_shared<Arguments>();
+    command.add_option("folder", arguments->folder, "Folder of problem folders, or one of them")->required();
+    command.add_option("--out", arguments->out, "json file of the answers");
+    std::vector<std::string> names;
+    for (const NamedSolver& each : contact_solvers()) names.push_back(each.name);
+    command.add_option("--solver", arguments->solver, "What solves them")
+        ->check(CLI::IsMember(names))
+        ->capture_default_str();
+    return [arguments] {
+        const Json problems = run_qp(arguments->folder, *contact_solver(arguments->solver));
+        std::cout << qp_table(problems) << std::flush;
+        if (!arguments->out.empty()) write_file(arguments->out, problems.dump(1) + "\n");
+        return qp_agrees(problems) ? 0 : 1;
+    };
+}
+
+}  // namespace
+
+Command qp_command() {
+    return {"qp", "Quadratic programmes from files (A.mtx, B.mtx, b.txt, c.txt), compared with expected.json",
+            declare};
 }
 
 }  // namespace tact::bench

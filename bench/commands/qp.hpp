@@ -7,6 +7,7 @@
 
 #include "../../lib/contact_solver.hpp"
 #include "../harness/machine.hpp"
+#include "command.hpp"
 
 namespace tact::bench {
 
@@ -32,5 +33,7 @@ bool qp_agrees(const Json& problems);
 
 /// Its table for the terminal, and a line a message.
 std::string qp_table(const Json& problems);
+
+Command qp_command();
 
 }  // namespace tact::bench

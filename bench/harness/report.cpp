@@ -36,6 +36,20 @@ std::string with_unit(const Json& seconds) {
     return digits(s) + " s";
 }
 
+Json norm_percent(const Json& squared_percent) {
+    return squared_percent.is_number() ? Json(10 * std::sqrt(squared_percent.get<double>())) : Json();
+}
+
+const char* const what_the_errors_are =
+    "- *relative error in the norm*: the Euclidean norm of U q - u over that of u, of the displacements of all nodes "
+    "at all "
+    "steps (statics: of the one solution), in %, against the full run on the same grid with the same steps at the "
+    "same "
+    "parameter. What that full run itself lacks, because of its grid and its steps, is not in it: see "
+    "[tradeoff](tradeoff.md).\n"
+    "- *squared, as the paper prints it*: eq. 16 or 17, the square of that ratio, in %: 1 % there is 10 % in the "
+    "norm.\n";
+
 std::string table(const std::vector<std::vector<std::string>>& rows) {
     std::vector<std::size_t> widths;
     for (const auto& row : rows)

@@ -14,6 +14,11 @@ std::string digits(const Json& number, int significant = 3);
 /// A duration with its unit: "1.31 ms"; "-" for null.
 std::string with_unit(const Json& seconds);
 
+/// 100 |e| / |u| from 100 |e|^2 / |u|^2, which is what eqs. 16 and 17 print; null from null.
+Json norm_percent(const Json& squared_percent);
+/// What the errors of reduced models are, in words: of what, against what, in which norm. Items of a markdown list.
+extern const char* const what_the_errors_are;
+
 /// Columns of equal width under a header; reads as text and as markdown.
 std::string table(const std::vector<std::vector<std::string>>& rows);
 

@@ -1,6 +1,7 @@
 #include "study_options.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "../../lib/errors.hpp"
 
@@ -16,6 +17,22 @@ void check_scenes(const std::string& study, const StudyOptions& options, const s
     for (const std::string& scene : options.scenes)
         if (std::ranges::find(known, scene) == known.end())
             throw InputError(study + ": scene is " + scene + ", expected one of " + names);
+}
+
+StudyOption scenes_option(std::string about) { return {.name = "scenes", .about = std::move(about)}; }
+
+Study study_of_scenes(std::string name, std::string about, Measured measured, Json (*run)(const StudyOptions&),
+                      std::string (*table)(const Json&), std::string (*markdown)(const Json&)) {
+    return {.name = std::move(name),
+            .about = std::move(about),
+            .measured = measured,
+            .options = {scenes_option("Those wanted of the study's scenes (all)")},
+            .run =
+                [run](const StudyArguments& asked) {
+                    return run({asked.small, asked.list("scenes")});
+                },
+            .table = table,
+            .markdown = markdown};
 }
 
 }  // namespace tact::bench

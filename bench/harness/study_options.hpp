@@ -1,10 +1,10 @@
-// What studies of the paper's scenes take.
+// What studies of scenes take.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "machine.hpp"
+#include "study.hpp"
 
 namespace tact::bench {
 
@@ -16,5 +16,12 @@ struct StudyOptions {
 
 /// InputError in the name of the study, listing its scenes, if another one is wanted.
 void check_scenes(const std::string& study, const StudyOptions& options, const std::vector<std::string>& known);
+
+/// The --scenes of a study; `about` lists them.
+StudyOption scenes_option(std::string about = "static-obstacle,dynamic-obstacle,two-plates (all)");
+
+/// A study with nothing to choose but its size and scenes.
+Study study_of_scenes(std::string name, std::string about, Measured measured, Json (*run)(const StudyOptions&),
+                      std::string (*table)(const Json&), std::string (*markdown)(const Json&));
 
 }  // namespace tact::bench

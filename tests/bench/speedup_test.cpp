@@ -15,9 +15,14 @@ namespace {
 TEST(Speedup, RowHasTheFieldsAndTheirMeaning) {
     const Json json = run_speedup({.small = true, .repeats = 1, .scenes = {"static-obstacle"}});
     EXPECT_EQ(json["size"], "small");
-    ASSERT_EQ(json["rows"].size(), 1u);
+    ASSERT_EQ(json["rows"].size(), 2u);
+    EXPECT_EQ(json["rows"][0]["method"], "ours");
+    EXPECT_EQ(json["rows"][1]["method"], "the paper's");
+    EXPECT_EQ(json["rows"][1]["p_lambda"], json["rows"][1]["p"]) << "the paper's bases are of equal size";
+    EXPECT_EQ(json["rows"][0]["full_seconds"], json["rows"][1]["full_seconds"]) << "one full run for both";
     const Json& row = json["rows"][0];
     for (const char* field : {"scene",
+                              "method",
                               "unknowns",
                               "contact_constraints",
                               "steps",
@@ -51,6 +56,12 @@ TEST(Speedup, RowHasTheFieldsAndTheirMeaning) {
     EXPECT_LT(row["full_klu_refactor_max_difference"], 1e-9);
     EXPECT_EQ(row["extrapolated"].size(), 0u);
     EXPECT_NE(speedup_markdown(json).find(" static-obstacle |"), std::string::npos) << speedup_markdown(json);
+}
+
+TEST(Speedup, OneMethodAloneIsOneRow) {
+    const Json json = run_speedup({.small = true, .repeats = 1, .bases = "paper", .scenes = {"static-obstacle"}});
+    ASSERT_EQ(json["rows"].size(), 1u);
+    EXPECT_EQ(json["rows"][0]["method"], "the paper's");
 }
 
 TEST(Speedup, RejectsBadInput) {

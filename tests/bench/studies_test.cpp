@@ -1,4 +1,4 @@
-#include "../../bench/harness/studies.hpp"
+#include "../../bench/commands/all.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -6,14 +6,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
+#include "../../bench/commands/report.hpp"
 #include "../../bench/harness/beside.hpp"
 #include "../../bench/harness/interrupt.hpp"
 #include "../../bench/harness/isolated.hpp"
@@ -40,16 +43,17 @@ protected:
     }
     bool there(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
     AllOptions options(std::vector<std::string> only = {}) const {
-        return {{.small = true, .repeats = 1}, folder_, false, std::move(only)};
+        return {.small = true, .repeats = 1, .out = folder_, .only = std::move(only)};
     }
     /// Never written: what it does is all there is of it.
     static Study acting(std::string name, Measured measured, std::function<void()> act) {
-        return {std::move(name), measured,
-                [act = std::move(act)](const StudySize&) -> Json {
+        return {.name = std::move(name),
+                .about = "acts",
+                .measured = measured,
+                .run = [act = std::move(act)](const StudyArguments&) -> Json {
                     act();
                     throw std::runtime_error("it only acts");
-                },
-                [](const Json&) { return std::string(); }};
+                }};
     }
     std::filesystem::path folder_;
 };
@@ -71,8 +75,37 @@ TEST_F(Studies, FinishedOnesAreKeptAndThePageShowsWhatTheirJsonSays) {
     EXPECT_NE(page.find("tact-bench all --only stability"), std::string::npos) << "what was not run is said";
 }
 
+/// Each is told apart by its name, which is that of its folder and its files, and can be run, shown and drawn.
+TEST_F(Studies, EachIsRegisteredOnceWithAllItsParts) {
+    std::set<std::string> names;
+    const std::filesystem::path folders = std::filesystem::path(__FILE__).parent_path() / "../../bench/studies";
+    for (const Study& study : studies()) {
+        EXPECT_TRUE(names.insert(study.name).second) << study.name;
+        EXPECT_FALSE(study.about.empty()) << study.name;
+        EXPECT_TRUE(study.run && study.table && study.markdown) << study.name;
+        std::string folder = study.name;
+        std::ranges::replace(folder, '-', '_');
+        EXPECT_TRUE(std::filesystem::exists(folders / folder / "figure.py")) << study.name;
+        for (const StudyOption& option : study.options)
+            EXPECT_EQ(option.kind == StudyOption::Kind::choice, !option.choices.empty()) << option.name;
+    }
+    const auto rooms = std::ranges::count_if(std::filesystem::directory_iterator(folders),
+                                             [](const auto& entry) { return entry.is_directory(); });
+    EXPECT_EQ(names.size(), static_cast<std::size_t>(rooms)) << "a folder that is not registered";
+}
+
+/// The published pages are what the code makes of the published numbers.
+TEST_F(Studies, PublishedPagesFollowFromTheirJson) {
+    const std::filesystem::path results = std::filesystem::path(__FILE__).parent_path() / "../../docs/results";
+    for (const Study& study : studies()) {
+        const Json json = Json::parse(read_file(results / (study.name + ".json")));
+        EXPECT_EQ(study.markdown(json), read_file(results / (study.name + ".md")))
+            << "tact-bench report --studies --out docs/results";
+    }
+}
+
 TEST_F(Studies, OtherNamesAreRejected) {
-    EXPECT_THROW(run_all({{}, folder_, false, {"speedup", "speeddown"}}), InputError);
+    EXPECT_THROW(run_all({.out = folder_, .only = {"speedup", "speeddown"}}), InputError);
     std::filesystem::remove_all(folder_);
     EXPECT_THROW(write_page(folder_), NumericalError) << "nothing to make a page of";
 }

@@ -23,6 +23,14 @@ TEST(Tradeoff, FinerGridsAreCloserToTheReferenceAndBreakEvenFollowsFromTheRows) 
         }
         EXPECT_GE(entry["error_percent"], full[1]["error_percent"]);
     }
+    ASSERT_EQ(json["rivals"].size(), 1u);
+    const Json& rival = json["rivals"][0];
+    EXPECT_TRUE(rival["training_model"] == full[1]);
+    for (const Json& row : full)  // no coarser full model that is as accurate is cheaper
+        if (row["n"] < full[1]["n"] && row["error_percent"] <= rival["reduced"]["error_percent"]) {
+            ASSERT_TRUE(rival["full"].is_object());
+            EXPECT_LE(rival["full"]["seconds"], row["seconds"]);
+        }
     EXPECT_NE(tradeoff_markdown(json).find("From how many queries"), std::string::npos);
     EXPECT_THROW(run_tradeoff({true, {"plates"}}), InputError);
 }

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Figures in README.md and docs/*.md are those of docs/results/*.json. With --write they are made so.
 
-A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup), FORMAT is a function of
-bench/harness/index.py: number, seconds, times, percent."""
-import json
+A figure stands as <!--= STUDY PATH FORMAT -->text<!--/-->: PATH leads through the json (rows.0.speedup) or names a figure of
+derived() in bench/harness/index.py, FORMAT is a function there: number, seconds, times, percent, share (of a fraction),
+in_norm (of a squared error), root (of a ratio of squared errors)."""
+import functools
 import re
 import sys
 from pathlib import Path
@@ -14,12 +15,23 @@ sys.dont_write_bytecode = True
 import index  # noqa: E402
 
 FIGURE = re.compile(r"<!--= (\S+) (\S+) (\S+) -->(.*?)<!--/-->")
-FORMATS = {name: getattr(index, name) for name in ("number", "seconds", "times", "percent")}
+FORMATS = {name: getattr(index, name) for name in ("number", "seconds", "times", "percent", "share", "in_norm", "root")}
+
+
+@functools.cache
+def results():
+    return index.Results(ROOT / "docs/results")
+
+
+@functools.cache
+def counted():
+    return index.derived(results())
 
 
 def value(study, path):
-    with open(ROOT / f"docs/results/{study}.json") as file:
-        at = json.load(file)
+    if (study, path) in counted():
+        return counted()[study, path]
+    at = results().data[study]
     for step in path.split("."):
         at = at[int(step)] if isinstance(at, list) else at[step]
     return at

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "../../harness/machine.hpp"
+#include "../../harness/study.hpp"
 
 namespace tact::bench {
 
@@ -31,5 +31,7 @@ Json run_bases(const BasesOptions& options);
 
 std::string bases_table(const Json& json);
 std::string bases_markdown(const Json& json);
+
+const Study& bases_study();
 
 }  // namespace tact::bench

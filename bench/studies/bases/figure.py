@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogFormatter  # noqa: E402
 
 STYLE = {
     "NNMF": ("#1b6ca8", "o"), "NNMF, random starts": ("#6aaed6", "o"), "NNMF, multiplicative": ("#6aaed6", "v"),
@@ -14,6 +15,11 @@ STYLE = {
     "selected rows": ("#d95f0e", "o"), "selected rows, supremizers": ("#d95f0e", "P"), "selected rows, compliance": ("#d95f0e", "X"),
     "touched rows": ("#1b9e77", "h"), "singular vectors": ("#c51b7d", "x"),
 }
+
+
+def in_norm(squared_percent):
+    """100 |e| / |u| of 100 |e|^2 / |u|^2, which is what eqs. 16 and 17 print."""
+    return 10 * squared_percent**0.5
 
 
 def main(data_file, figure_file):
@@ -31,24 +37,25 @@ def main(data_file, figure_file):
         rows = [row for row in data["rows"] if (row["scene"], row["integrator"]) == (scene, integrator) and row["error_percent"]]
         for row in rows:
             colour, marker = STYLE.get(row["dual_basis"], ("#444444", "*"))
-            axes.plot([row["us_per_step"]] * 2, [row["error_min"], row["error_max"]], color=colour, linewidth=0.8, alpha=0.5)
-            point, = axes.plot(row["us_per_step"], row["error_percent"], color=colour, marker=marker, linestyle="none", markersize=5)
+            axes.plot([row["us_per_step"]] * 2, [in_norm(row["error_min"]), in_norm(row["error_max"])], color=colour, linewidth=0.8, alpha=0.5)
+            point, = axes.plot(row["us_per_step"], in_norm(row["error_percent"]), color=colour, marker=marker, linestyle="none", markersize=5)
             shown.setdefault(row["dual_basis"], point)
-        front = sorted((row["us_per_step"], row["error_percent"]) for row in rows if row["pareto"])
+        front = sorted((row["us_per_step"], in_norm(row["error_percent"])) for row in rows if row["pareto"])
         if front:
             axes.step(*zip(*front), where="post", color="black", linewidth=0.8, linestyle=":")
         axes.set_xscale("log")
         axes.set_yscale("log")
-        errors = [row["error_percent"] for row in rows]
-        axes.set_ylim(min(errors) / 2, min(2 * max(errors), 1e3 * min(errors)))  # what diverges leaves the picture
+        errors = [in_norm(row["error_percent"]) for row in rows]
+        axes.set_ylim(min(errors) / 2, min(2 * max(errors), 50 * min(errors)))  # what diverges leaves the picture
         middle = (min(row["us_per_step"] for row in rows) * max(row["us_per_step"] for row in rows)) ** 0.5
         low, high = axes.get_xlim()
         axes.set_xlim(min(low, middle / 3), max(high, middle * 3))
         axes.grid(which="major", alpha=0.3)
+        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))  # two decades have few tens
         axes.set_title(scene if integrator == "none" else f"{scene}, {integrator}", fontsize=9)
         axes.set_xlabel("µs a query" if integrator == "none" else "µs a step")
     for line in grid:
-        line[0].set_ylabel("worst error, % (eqs. 16, 17)")
+        line[0].set_ylabel("worst relative error in the norm, %\nagainst the full run of the same grid and steps")
     height = figure.get_figheight()
     figure.tight_layout(rect=(0, 1.1 / height, 1, 1 - 0.3 / height))
     figure.legend(shown.values(), shown.keys(), loc="lower center", ncol=4, frameon=False, fontsize=8)

@@ -17,4 +17,6 @@ Json run_downsampling(const StudyOptions& options);
 std::string downsampling_table(const Json& json);
 std::string downsampling_markdown(const Json& json);
 
+const Study& downsampling_study();
+
 }  // namespace tact::bench

@@ -6,6 +6,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import LogFormatter  # noqa: E402
 
 STYLES = {
     "(1,0,0)": ("#b2182b", "o"), "(0,1,0)": ("#1b6ca8", "s"), "(0,0,1)": ("#1b9e77", "D"), "(1,1,0)": ("#e08214", "v"),
@@ -14,9 +15,14 @@ STYLES = {
 }
 
 
+def in_norm(squared_percent):
+    """100 |e| / |u| of 100 |e|^2 / |u|^2, which is what eqs. 16 and 17 print."""
+    return 10 * squared_percent**0.5
+
+
 def curves(axes, rows):
     for selection, (colour, marker) in STYLES.items():
-        points = [(row["iteration"], row["worst_error_percent"]) for row in rows if row["selection"] == selection]
+        points = [(row["iteration"], in_norm(row["worst_error_percent"])) for row in rows if row["selection"] == selection]
         if not points:
             continue
         papers = selection == "(1,0,0)"  # several weights often choose alike: it lies on top of them
@@ -31,7 +37,7 @@ def curves(axes, rows):
 def random_bars(axes, rows):
     """All repeats as a bar from best to worst, with the middle half thick and the median marked."""
     for k, samples in enumerate(dict.fromkeys(row["samples"] for row in rows)):
-        errors = sorted(row["worst_error_percent"] for row in rows if row["samples"] == samples)
+        errors = sorted(in_norm(row["worst_error_percent"]) for row in rows if row["samples"] == samples)
         count = len(errors)
         axes.plot([samples, samples], [errors[0], errors[-1]], color="#2b5fd9", linewidth=1.2)
         axes.plot([samples, samples], [errors[count // 4], errors[(3 * count) // 4]], color="#2b5fd9", linewidth=5, alpha=0.5,
@@ -57,9 +63,10 @@ def main(data_file, figure_file):
         axes.set_xticks(ticks)
         axes.set_xticklabels([f"{k}\np={sizes[k]}" for k in ticks], fontsize=8)
         axes.set_title(f"{scene}: worst of {rows[0]['test_parameters']} parameters that are no candidates", fontsize=10)
-        norm = axes.secondary_yaxis("right", functions=(lambda p: (p / 100) ** 0.5, lambda e: 100 * e**2))
-        norm.set_ylabel("the same as a ratio of norms")
-        axes.set_ylabel("relative error, squared norms, %")
+        squared = axes.secondary_yaxis("right", functions=(lambda e: e**2 / 100, in_norm))
+        squared.set_ylabel("squared, as the paper prints it, %")
+        axes.yaxis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.5)))  # two decades have few tens
+        axes.set_ylabel("worst relative error of u in the norm, %,\nagainst the full run of the same grid and steps")
         shown |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels())}
     figure.legend(shown.values(), shown, loc="lower center", ncol=5, frameon=False, fontsize=8.5)
     figure.get_layout_engine().set(rect=(0, 0.11, 1, 0.89))

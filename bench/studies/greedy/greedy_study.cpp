@@ -218,22 +218,25 @@ void static_claims(const Json& rows, Json& claims) {
     const double half = greedy[greedy.size() / 2 - 1], last = greedy.back(), best = ends(rows, scene).first;
     claim(claims, scene,
           "the greedy search with " + std::to_string(samples / 2) + " samples is as accurate as " +
-              std::to_string(samples) + " random ones (median): ratio of worst errors",
+              std::to_string(samples) + " random ones (median): ratio of worst errors, squared as printed",
           "about 1", half / random, half <= 1.1 * random);
     claim(claims, scene,
           "with " + std::to_string(samples) +
-              " it is an order of magnitude more accurate than as many random ones: ratio",
+              " it is an order of magnitude more accurate than as many random ones: ratio, squared as printed",
           "about 10", random / last, random >= 10 * last);
-    claim(claims, scene, "the same with candidates on the faces of the box too (closed grid): ratio", "about 10",
+    claim(claims, scene,
+          "the same with candidates on the faces of the box too (closed grid): ratio, squared as printed", "about 10",
           random / worst(rows, scene, closed_grid).back(), random >= 10 * worst(rows, scene, closed_grid).back());
-    claim(claims, scene, "weights (1,0,0) do as well as any: last worst error over the best of all weights",
+    claim(claims, scene,
+          "weights (1,0,0) do as well as any: last worst error over the best of all weights, squared as printed",
           "about 1", last / best, last <= 1.1 * best);
 }
 
 void dynamic_claims(const Json& rows, Json& claims) {
     const std::string scene = "dynamic-obstacle";
     const auto [best, poorest] = ends(rows, scene);
-    claim(claims, scene, "all weights do equally well: poorest last worst error over the best (equal: within 2)",
+    claim(claims, scene,
+          "all weights do equally well: poorest last worst error over the best, squared as printed (equal: within 2)",
           "about 1", poorest / best, poorest <= 2 * best);
     double least = infinity;
     for (const Selection& selection : indicators()) {
@@ -241,7 +244,8 @@ void dynamic_claims(const Json& rows, Json& claims) {
         least = std::min(least, errors.front() / errors.back());
     }
     claim(claims, scene,
-          "the worst error falls by more than 100 from the first iteration to the last: least factor of all weights",
+          "the worst error falls by more than 100 from the first iteration to the last: least factor of all weights, "
+          "squared as printed",
           "over 100", least, least > 100);
 }
 

@@ -17,4 +17,6 @@ Json run_greedy(const StudyOptions& options);
 std::string greedy_table(const Json& json);
 std::string greedy_markdown(const Json& json);
 
+const Study& greedy_study();
+
 }  // namespace tact::bench

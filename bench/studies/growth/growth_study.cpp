@@ -199,4 +199,11 @@ std::string growth_markdown(const Json& json) {
            "[solvers](solvers.md).\n";
 }
 
+const Study& growth_study() {
+    static const Study study =
+        study_of_scenes("growth", "Time and memory against size, contact, bases, steps, queries and threads",
+                        Measured::elapsed_time, run_growth_study, growth_table, growth_markdown);
+    return study;
+}
+
 }  // namespace tact::bench

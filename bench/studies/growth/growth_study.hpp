@@ -15,4 +15,6 @@ Json run_growth_study(const StudyOptions& options);
 std::string growth_table(const Json& json);
 std::string growth_markdown(const Json& json);
 
+const Study& growth_study();
+
 }  // namespace tact::bench

@@ -19,4 +19,6 @@ Json run_histories(const StudyOptions& options);
 std::string histories_table(const Json& json);
 std::string histories_markdown(const Json& json);
 
+const Study& histories_study();
+
 }  // namespace tact::bench

@@ -19,4 +19,6 @@ Json run_omission(const StudyOptions& options);
 std::string omission_table(const Json& json);
 std::string omission_markdown(const Json& json);
 
+const Study& omission_study();
+
 }  // namespace tact::bench

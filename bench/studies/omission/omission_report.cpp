@@ -73,4 +73,10 @@ std::string omission_markdown(const Json& json) {
            "\nWhat the dynamic linker loads; wall time of a whole process, its start included, median of 21.\n";
 }
 
+const Study& omission_study() {
+    static const Study study = study_of_scenes("omission", "What each scene leaves out, and what that saves",
+                                               Measured::cpu_time, run_omission, omission_table, omission_markdown);
+    return study;
+}
+
 }  // namespace tact::bench

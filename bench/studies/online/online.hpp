@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "../../harness/machine.hpp"
 #include "../../harness/study_options.hpp"
 
 namespace tact::bench {
@@ -21,5 +20,7 @@ Json run_online(const StudyOptions& options);
 
 std::string online_table(const Json& json);
 std::string online_markdown(const Json& json);
+
+const Study& online_study();
 
 }  // namespace tact::bench

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "../../../lib/types.hpp"
-#include "../../harness/machine.hpp"
+#include "../../harness/study.hpp"
 
 namespace tact::bench {
 
@@ -30,5 +30,7 @@ std::string missing_peers(const Json& json);
 /// Its tables for the terminal, and the page with them.
 std::string solvers_table(const Json& json);
 std::string solvers_markdown(const Json& json);
+
+const Study& solvers_study();
 
 }  // namespace tact::bench

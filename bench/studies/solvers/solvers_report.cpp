@@ -1,5 +1,8 @@
 // The solvers study's tables and page.
+#include <algorithm>
+
 #include "../../harness/report.hpp"
+#include "../../harness/study_options.hpp"
 #include "solvers.hpp"
 
 namespace tact::bench {
@@ -115,6 +118,28 @@ std::string solvers_markdown(const Json& json) {
                 "run.\n\n" +
                 growth_rows(growth) + "\n";
     return text;
+}
+
+const Study& solvers_study() {
+    static const Study study{
+        .name = "solvers",
+        .about = "Every contact strategy, and peers, on the three contact problems",
+        .measured = Measured::cpu_time,
+        .takes_repeats = true,
+        .options = {{.name = "peers",
+                     .about = "Compare with IPOPT and PETSc, those that are there",
+                     .kind = StudyOption::Kind::flag},
+                    scenes_option()},
+        .run =
+            [](const StudyArguments& asked) {
+                return run_solvers({.small = asked.small,
+                                    .repeats = asked.by_all ? std::min(asked.repeats, 3) : asked.repeats,
+                                    .peers = asked.by_all || asked.flag("peers"),
+                                    .scenes = asked.list("scenes")});
+            },
+        .table = solvers_table,
+        .markdown = solvers_markdown};
+    return study;
 }
 
 }  // namespace tact::bench

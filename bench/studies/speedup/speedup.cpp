@@ -1,6 +1,7 @@
 #include "speedup.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 #include "../../../contact/automatic.hpp"
@@ -91,67 +92,92 @@ double whole_run(const Replay& replayed, const SampledMarch& sampled) {
     return std::inner_product(replayed.seconds.begin(), replayed.seconds.end(), sampled.stands_for.begin(), 0.0);
 }
 
-Json compare(Json& row, const std::string& field, const std::string& label, const ContactSolver* solver,
-             const SampledMarch& sampled, int repeats) {
-    if (!solver) return nullptr;
+/// Adds to `full` what one slow solver takes for a whole run.
+void add_slow_solver(Json& full, const PaperStudy& study, const std::string& field, const std::string& label,
+                     const ContactSolver* solver, const SampledMarch& sampled, int repeats) {
+    full[field + "_seconds"] = nullptr;
+    if (!solver) return;
     repeats = std::min(repeats, sampled_repeats);
-    Progress progress(row["scene"].get<std::string>() + ": " + label, static_cast<double>(sampled.samples.size()));
+    Progress progress(study.scene.name + ": " + label, static_cast<double>(sampled.samples.size()));
     const Replay replayed = replay(*solver, sampled.samples, repeats, progress);
-    row[field + "_max_difference"] = replayed.worst_difference;
-    row[field + "_not_converged"] = replayed.not_converged;
+    full[field + "_seconds"] = whole_run(replayed, sampled);
+    full[field + "_max_difference"] = replayed.worst_difference;
+    full[field + "_not_converged"] = replayed.not_converged;
     if (!sampled.how.empty())
-        row["extrapolated"].push_back(
+        full["extrapolated"].push_back(
             {{"field", field + "_seconds"}, {"how", sampled.how + "; medians of " + std::to_string(repeats)}});
-    return whole_run(replayed, sampled);
+}
+
+/// What the full runs say: the same beside every reduced model.
+Json full_fields(const PaperStudy& study, const Scheme& scheme, const std::vector<Parameter>& queries,
+                 ContactWorkspace& workspace, int repeats) {
+    const FullTimes times = full_times(study, scheme, queries, workspace);
+    const SampledMarch sampled = sample(study, scheme, queries);
+    Json full{{"full_seconds", times.warm},
+              {"full_cold_seconds", times.cold},
+              {"full_method", times.last.strategy},
+              {"extrapolated", Json::array()}};
+    add_slow_solver(full, study, "full_klu_refactor", "KLU refactorisation", std::make_unique<KluActiveSet>().get(),
+                    sampled, repeats);
+    add_slow_solver(full, study, "interior_point", "interior point", interior_point().get(), sampled, repeats);
+    return full;
 }
 
 Json ratio(const Json& seconds, double reduced) {
     return seconds.is_number() ? Json(seconds.get<double>() / reduced) : Json();
 }
 
-Json row_of(const PaperStudy& study, const std::string& bases, int repeats) {
-    const StudyScene& scene = study.scene;
-    const Scheme scheme = paper_scheme(scene);
-    const DefaultTraining training =
-        bases == "paper" ? DefaultTraining{paper_training(study), 0} : default_training(study);
-    TrainingResult trained;
-    const double training_seconds = seconds_of([&] {
-        trained = train_with_progress(study, {scheme.integrator, scheme.grid}, training.options, "training",
-                                      training.compliance);
-    });
-    const std::vector<Parameter> tests = without(study.tests, samples_of(trained));
-    const std::vector<Parameter> queries = timed_queries(tests, repeats);
+/// A reduced model and how it was made.
+struct Trained {
+    std::string method;  ///< "ours" or "the paper's"
+    double compliance = 0, seconds = 0;
+    TrainingResult result = {};
+};
 
-    ContactWorkspace full_workspace(std::make_shared<AutomaticContact>());
-    ContactWorkspace reduced_workspace(
-        std::make_shared<DenseContact>(DenseContactOptions{.compliance = training.compliance}));
-    const FullTimes full = full_times(study, scheme, queries, full_workspace);
-    const double reduced = reduced_seconds(*trained.reduced, scheme, tests, repeats, reduced_workspace);
+std::vector<Trained> train_all(const PaperStudy& study, const Scheme& scheme, const std::string& bases) {
+    std::vector<Trained> all;
+    const auto add = [&](const std::string& method, const DefaultTraining& training) {
+        Trained trained{.method = method, .compliance = training.compliance};
+        trained.seconds = seconds_of([&] {
+            trained.result = train_with_progress(study, {scheme.integrator, scheme.grid}, training.options,
+                                                 "training, " + method, training.compliance);
+        });
+        all.push_back(std::move(trained));
+    };
+    if (bases != "paper") add("ours", default_training(study));
+    if (bases != "default") add("the paper's", {paper_training(study), 0});
+    return all;
+}
+
+Json row_of(const PaperStudy& study, const Scheme& scheme, const Trained& trained, const Json& full,
+            const std::vector<Parameter>& tests, ContactWorkspace& full_workspace, int repeats) {
+    const StudyScene& scene = study.scene;
+    const ContactFamily& reduced_family = *trained.result.reduced;
+    ContactWorkspace workspace(std::make_shared<DenseContact>(DenseContactOptions{.compliance = trained.compliance}));
+    const double reduced = reduced_seconds(reduced_family, scheme, tests, repeats, workspace);
     const WorstErrors worst =
-        worst_errors(scene, scheme, trained.basis, *trained.reduced, tests, full_workspace, reduced_workspace);
-    const SampledMarch sampled = sample(study, scheme, queries);
+        worst_errors(scene, scheme, trained.result.basis, reduced_family, tests, full_workspace, workspace);
 
     const ContactProblem problem = scene.family->at(tests.front());
     Json row;
     row["scene"] = scene.name;
+    row["method"] = trained.method;
     row["unknowns"] = problem.size();
     row["contact_constraints"] = problem.constraints();
     row["steps"] = scheme.steps();
-    row["p"] = trained.basis.primal_size();
-    row["p_lambda"] = trained.basis.dual_size();
-    row["compliance"] = training.compliance;
-    row["full_seconds"] = full.warm;
-    row["full_cold_seconds"] = full.cold;
-    row["full_method"] = full.last.strategy;
-    row["full_klu_refactor_seconds"] = nullptr;  // here for the order of the fields
-    row["interior_point_seconds"] = nullptr;
+    row["p"] = trained.result.basis.primal_size();
+    row["p_lambda"] = trained.result.basis.dual_size();
+    row["compliance"] = trained.compliance;
+    for (const char* field :
+         {"full_seconds", "full_cold_seconds", "full_method", "full_klu_refactor_seconds", "interior_point_seconds"})
+        row[field] = full[field];
     row["reduced_seconds"] = reduced;
     row["reduced_seconds_per_step"] = reduced / static_cast<double>(scheme.steps());
-    row["training_seconds"] = training_seconds;
-    row["training_samples"] = trained.history.size();
-    row["speedup"] = full.warm / reduced;
-    row["speedup_vs_klu_refactor"] = nullptr;
-    row["speedup_vs_interior_point"] = nullptr;
+    row["training_seconds"] = trained.seconds;
+    row["training_samples"] = trained.result.history.size();
+    row["speedup"] = ratio(full["full_seconds"], reduced);
+    row["speedup_vs_klu_refactor"] = ratio(full["full_klu_refactor_seconds"], reduced);
+    row["speedup_vs_interior_point"] = ratio(full["interior_point_seconds"], reduced);
     row["paper_speedup"] = study.paper_speedup;
     row["relative_error_percent"] = worst.squared_percent;
     row["relative_error_norm"] = worst.norm_percent / 100;
@@ -165,15 +191,27 @@ Json row_of(const PaperStudy& study, const std::string& bases, int repeats) {
     row["max_penetration_over_gap_scale"] = worst.penetration_share;
     row["max_kkt_residual_full"] = worst.worst_kkt_full;
     row["max_kkt_residual_reduced"] = worst.worst_kkt_reduced;
-    row["extrapolated"] = Json::array();
-
-    row["full_klu_refactor_seconds"] = compare(row, "full_klu_refactor", "KLU refactorisation",
-                                               std::make_unique<KluActiveSet>().get(), sampled, repeats);
-    const auto ipopt = interior_point();
-    row["interior_point_seconds"] = compare(row, "interior_point", "interior point", ipopt.get(), sampled, repeats);
-    row["speedup_vs_klu_refactor"] = ratio(row["full_klu_refactor_seconds"], reduced);
-    row["speedup_vs_interior_point"] = ratio(row["interior_point_seconds"], reduced);
+    for (const auto& [field, value] : full.items())
+        if (!row.contains(field)) row[field] = value;
     return row;
+}
+
+/// A row a reduced model; full runs and test parameters are the same for all of them.
+void add_rows(Json& rows, const PaperStudy& study, const SpeedupOptions& options) {
+    const Scheme scheme = paper_scheme(study.scene);
+    const std::vector<Trained> all = train_all(study, scheme, options.bases);
+    std::vector<Parameter> tests = study.tests;
+    for (const Trained& trained : all) tests = without(tests, samples_of(trained.result));
+    ContactWorkspace workspace(std::make_shared<AutomaticContact>());
+    const Json full = full_fields(study, scheme, timed_queries(tests, options.repeats), workspace, options.repeats);
+    for (const Trained& trained : all)
+        rows.push_back(row_of(study, scheme, trained, full, tests, workspace, options.repeats));
+}
+
+/// Processes that run or wait to, the mean over the last minute; null where the system does not say.
+Json load_average() {
+    double load = 0;
+    return getloadavg(&load, 1) == 1 ? Json(load) : Json();
 }
 
 }  // namespace
@@ -181,8 +219,8 @@ Json row_of(const PaperStudy& study, const std::string& bases, int repeats) {
 Json run_speedup(const SpeedupOptions& options) {
     if (options.repeats < 1)
         throw InputError("speedup: repeats is " + std::to_string(options.repeats) + ", expected at least 1");
-    if (options.bases != "default" && options.bases != "paper")
-        throw InputError("speedup: bases is " + options.bases + ", expected default or paper");
+    if (options.bases != "both" && options.bases != "default" && options.bases != "paper")
+        throw InputError("speedup: bases is " + options.bases + ", expected both, default or paper");
     Json json;
     json["study"] = "speedup";
     json["size"] = options.small ? "small" : "full";
@@ -191,7 +229,8 @@ Json run_speedup(const SpeedupOptions& options) {
     json["machine"] = machine();
     json["rows"] = Json::array();
     for (const std::string& name : wanted_scenes("speedup", options.scenes))
-        json["rows"].push_back(row_of(paper_study(name, options.small), options.bases, options.repeats));
+        add_rows(json["rows"], paper_study(name, options.small), options);
+    json["load_average"] = load_average();
     return json;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "../../harness/machine.hpp"
+#include "../../harness/study.hpp"
 
 namespace tact::bench {
 
@@ -23,5 +23,7 @@ Json run_stability(const StabilityOptions& options);
 /// Its tables for the terminal, and the page with them.
 std::string stability_table(const Json& json);
 std::string stability_markdown(const Json& json);
+
+const Study& stability_study();
 
 }  // namespace tact::bench

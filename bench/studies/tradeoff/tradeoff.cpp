@@ -259,12 +259,30 @@ Json break_even(const Json& rows, const std::string& scene) {
     return result;
 }
 
+/// The rows as they are with the paper's scheme: the reduced model with most selected rows and the full one it learnt from;
+/// and the cheapest full model of any integrator on a coarser grid whose error is no larger than the reduced one's.
+Json rival(const Json& rows, const std::string& scene, const std::string& scheme) {
+    Json reduced, training_model, full;
+    for (const Json& row : rows) {
+        if (row["scene"] != scene || row["integrator"] != scheme) continue;
+        if (row["model"] == "reduced" && row["dual_basis"] == "selected rows" &&
+            (reduced.is_null() || row["p"] > reduced["p"]))
+            reduced = row;
+        if (row.value("training_model", false)) training_model = row;
+    }
+    for (const Json& row : rows)
+        if (row["scene"] == scene && row["model"] == "full" && row["n"] < training_model["n"] &&
+            row["error_percent"] <= reduced["error_percent"] && (full.is_null() || row["seconds"] < full["seconds"]))
+            full = row;
+    return {{"scene", scene}, {"reduced", reduced}, {"training_model", training_model}, {"full", full}};
+}
+
 }  // namespace
 
 Json run_tradeoff(const StudyOptions& options) {
     check_scenes("tradeoff", options, paper_study_names());
     Json json{{"study", "tradeoff"}, {"size", options.small ? "small" : "full"}, {"machine", machine()}};
-    json["references"] = json["rows"] = json["break_even"] = Json::array();
+    json["references"] = json["rows"] = json["break_even"] = json["rivals"] = Json::array();
     for (const std::string& scene : paper_study_names()) {
         if (!options.wants(scene)) continue;
         const Ladder wanted = ladder(scene, options.small);
@@ -286,6 +304,7 @@ Json run_tradeoff(const StudyOptions& options) {
         add_full(json["rows"], wanted, reference);
         add_reduced(json["rows"], wanted, reference);
         for (const Json& entry : break_even(json["rows"], scene)) json["break_even"].push_back(entry);
+        json["rivals"].push_back(rival(json["rows"], scene, methods_of(wanted).front()));
     }
     return json;
 }

@@ -76,4 +76,11 @@ std::string training_markdown(const Json& json) {
            by_iteration(json);
 }
 
+const Study& training_study() {
+    static const Study study =
+        study_of_scenes("training", "What training costs by part, and when it has paid", Measured::elapsed_time,
+                        run_training, training_table, training_markdown);
+    return study;
+}
+
 }  // namespace tact::bench

@@ -17,4 +17,6 @@ Json run_training(const StudyOptions& options);
 std::string training_table(const Json& json);
 std::string training_markdown(const Json& json);
 
+const Study& training_study();
+
 }  // namespace tact::bench

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "../../harness/machine.hpp"
+#include "../../harness/study.hpp"
 
 namespace tact::bench {
 
@@ -33,5 +33,7 @@ Json run_work_precision(const WorkPrecisionOptions& options);
 /// The closing table and the curves in short, for the terminal; and the page.
 std::string work_precision_table(const Json& json);
 std::string work_precision_markdown(const Json& json);
+
+const Study& work_precision_study();
 
 }  // namespace tact::bench

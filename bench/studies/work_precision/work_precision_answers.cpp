@@ -195,6 +195,11 @@ void bouncing_answers(Json& answers, bool small) {
     answers.push_back(best_of("contact stress, mean over those times", "mean_stress_error", 0.02));
 }
 
+/// "0.06 % (2.45 % in the norm)" of a squared ratio.
+std::string with_root(double squared_percent) {
+    return digits(squared_percent) + " % (" + digits(norm_percent(squared_percent)) + " % in the norm)";
+}
+
 /// Eq. 17 of the trapezoid at the paper's dt against itself with sixteen times as many steps.
 void plates_answer(Json& answers, bool small) {
     const StudyScene study = study_scene("two-plates", small ? 30 : 0);
@@ -210,9 +215,10 @@ void plates_answer(Json& answers, bool small) {
     };
     const double error = squared_percent(trapezoid);
     answers.push_back(answer("plates " + std::to_string(study.n) + " x " + std::to_string(study.n) +
-                                 ", dt = 2e-4: eq. 17 of the trapezoid against dt/16",
+                                 ", dt = 2e-4: trapezoid against its own run at dt/16, u of all nodes and steps, "
+                                 "eq. 17 squared as printed",
                              "<= .06 %",
-                             digits(error) + " % (BDF2 against the same: " + digits(squared_percent(bdf2)) + " %)",
+                             with_root(error) + "; BDF2 against the same: " + with_root(squared_percent(bdf2)),
                              error <= 0.06));
 }
 

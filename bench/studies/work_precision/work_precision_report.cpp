@@ -1,10 +1,12 @@
 // The work-precision study's tables and page.
+#include <algorithm>
 #include <set>
 
 #include "../../harness/report.hpp"
 #include "../../peers/siconos_peer.hpp"
 #include "../solvers/solvers.hpp"
 #include "work_precision.hpp"
+#include "work_precision_scenes.hpp"
 
 namespace tact::bench {
 namespace {
@@ -159,6 +161,30 @@ std::string work_precision_markdown(const Json& json) {
         text.append("\n").append(each["question"].get<std::string>()).append(", relative:\n\n").append(table(rows));
     }
     return text;
+}
+
+const Study& work_precision_study() {
+    static const Study study = [] {
+        std::string names;
+        for (const std::string& name : precision_scene_names()) names += (names.empty() ? "" : ",") + name;
+        return Study{
+            .name = "work-precision",
+            .about = "Error against run time of every integrator, with its closing table",
+            .measured = Measured::cpu_time,
+            .takes_repeats = true,
+            .options = {{.name = "scenes", .about = names + " (all)"},
+                        {.name = "no-answers", .about = "The curves only", .kind = StudyOption::Kind::flag}},
+            .run =
+                [](const StudyArguments& asked) {
+                    return run_work_precision({.small = asked.small,
+                                               .repeats = asked.by_all ? std::min(asked.repeats, 3) : asked.repeats,
+                                               .scenes = asked.list("scenes"),
+                                               .answers = !asked.flag("no-answers")});
+                },
+            .table = work_precision_table,
+            .markdown = work_precision_markdown};
+    }();
+    return study;
 }
 
 }  // namespace tact::bench

@@ -1,74 +1,24 @@
-#include "studies.hpp"
+#include "all.hpp"
 
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "../../lib/errors.hpp"
-#include "../studies/bases/bases.hpp"
-#include "../studies/downsampling/downsampling.hpp"
-#include "../studies/greedy/greedy_study.hpp"
-#include "../studies/growth/growth_study.hpp"
-#include "../studies/histories/histories.hpp"
-#include "../studies/omission/omission.hpp"
-#include "../studies/online/online.hpp"
-#include "../studies/solvers/solvers.hpp"
-#include "../studies/speedup/speedup.hpp"
-#include "../studies/stability/stability.hpp"
-#include "../studies/tradeoff/tradeoff.hpp"
-#include "../studies/training/training_study.hpp"
-#include "../studies/work_precision/work_precision.hpp"
-#include "beside.hpp"
-#include "interrupt.hpp"
-#include "progress.hpp"
+#include "../harness/beside.hpp"
+#include "../harness/interrupt.hpp"
+#include "../harness/progress.hpp"
+#include "../harness/report.hpp"
 #include "report.hpp"
 
 namespace tact::bench {
-
-namespace {
-
-/// Of a study with nothing to choose but its size and scenes.
-template <Json (*run)(const StudyOptions&)> Json plain(const StudySize& size) { return run({size.small, {}}); }
-
-}  // namespace
-
-const std::vector<Study>& studies() {
-    static const std::vector<Study> all{
-        {"speedup", Measured::cpu_time,
-         [](const StudySize& size) { return run_speedup({.small = size.small, .repeats = size.repeats}); },
-         speedup_markdown},
-        {"solvers", Measured::cpu_time,
-         [](const StudySize& size) {
-             return run_solvers({.small = size.small, .repeats = std::min(size.repeats, 3), .peers = true});
-         },
-         solvers_markdown},
-        {"work-precision", Measured::cpu_time,
-         [](const StudySize& size) {
-             return run_work_precision({.small = size.small, .repeats = std::min(size.repeats, 3)});
-         },
-         work_precision_markdown},
-        {"stability", Measured::errors, [](const StudySize& size) { return run_stability({.small = size.small}); },
-         stability_markdown},
-        {"bases", Measured::cpu_time,
-         [](const StudySize& size) { return run_bases({.small = size.small, .repeats = std::min(size.repeats, 3)}); },
-         bases_markdown},
-        {"tradeoff", Measured::cpu_time, plain<run_tradeoff>, tradeoff_markdown},
-        {"online", Measured::cpu_time, plain<run_online>, online_markdown},
-        {"omission", Measured::cpu_time, plain<run_omission>, omission_markdown},
-        {"growth", Measured::elapsed_time, plain<run_growth_study>, growth_markdown},
-        {"greedy", Measured::errors, plain<run_greedy>, greedy_markdown},
-        {"histories", Measured::errors, plain<run_histories>, histories_markdown},
-        {"training", Measured::elapsed_time, plain<run_training>, training_markdown},
-        {"downsampling", Measured::errors, plain<run_downsampling>, downsampling_markdown},
-    };
-    return all;
-}
-
 namespace {
 
 /// Whether the three files of a study of that size are there.
@@ -77,7 +27,7 @@ bool finished(const Study& study, const AllOptions& options) {
         if (!std::filesystem::exists(options.out / (study.name + kind))) return false;
     std::ifstream file(options.out / (study.name + ".json"));
     const Json json = Json::parse(file, nullptr, false);
-    return json.is_object() && json.value("size", "") == (options.size.small ? "small" : "full");
+    return json.is_object() && json.value("size", "") == (options.small ? "small" : "full");
 }
 
 std::string names_of(const std::vector<const Study*>& list) {
@@ -108,7 +58,7 @@ void say(std::ostream& out, const std::string& line) {
 bool run_one(const Study& study, const AllOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     try {
-        Json json = study.run(options.size);
+        Json json = study.run({.small = options.small, .repeats = options.repeats, .by_all = true});
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         json["study_seconds"] = seconds;
         write_study(options.out, study.name, json, study.markdown(json));
@@ -170,8 +120,30 @@ int run_all(const AllOptions& options, const std::vector<Study>& all) {
     return failed;
 }
 
-void write_page(const std::filesystem::path& results) {
-    draw("harness/index", results, results / "index.html", "needs python3; the studies are complete");
+Command all_command() {
+    return {"all", "Every study in turn, those that are there kept, and their page",
+            [](CLI::App& command) -> std::function<int()> {
+                struct Asked {
+                    AllOptions options;
+                    std::string out = "results";
+                };
+                const auto asked = std::make_shared<Asked>();
+                AllOptions& options = asked->options;
+                add_size_option(command, Study().sizes, options.small);
+                add_repeats_option(command, options.repeats);
+                add_out_option(command, asked->out);
+                command.add_flag("--force", options.force, "Run finished studies again");
+                std::string names;
+                for (const Study& study : studies()) names += (names.empty() ? "" : ",") + study.name;
+                command.add_option("--only", options.only, names + " (all)")->delimiter(',');
+                return [asked] {
+                    asked->options.out = asked->out;
+                    const int failed = run_all(asked->options);
+                    write_page(asked->out);
+                    std::cout << "written: " << (asked->options.out / "index.html").string() << "\n";
+                    return failed > 0 ? 1 : 0;
+                };
+            }};
 }
 
 }  // namespace tact::bench
