@@ -39,7 +39,7 @@ constexpr StrategyFacts table[] = {
     {S::klu_active_set, "klu-active-set", R::any, true, false, 0, prepare<KluActiveSet>},
     {S::colour_sor, "colour-sor", R::bounds, false, false, 300, prepare<ColourSor>},
     {S::projected_cg, "projected-cg", R::disjoint, false, false, 40, prepare<ProjectedCg>},
-    {S::multigrid_active_set, "multigrid-active-set", R::bounds, false, false, 60, prepare<MultigridActiveSet>},
+    {S::multigrid_active_set, "multigrid", R::bounds, false, false, 60, prepare<MultigridActiveSet>},
     {S::schur, "schur", R::any, false, false, 0, prepare_schur},
     {S::floating, "floating", R::any, false, true, 0, prepare<FloatingContact>},
     {S::orthogonal, "orthogonal", R::any, false, false, 0, prepare<OrthogonalContact>},

@@ -7,12 +7,12 @@
 #include "../contact/dense/orthogonal_contact.hpp"
 #include "../contact/strategies/colour_sor.hpp"
 #include "../contact/strategies/diagonal_contact.hpp"
+#include "../contact/strategies/floating_contact.hpp"
 #include "../contact/strategies/interior_point.hpp"
 #include "../contact/strategies/klu_active_set.hpp"
 #include "../contact/strategies/multigrid_active_set.hpp"
 #include "../contact/strategies/principal_pivoting.hpp"
 #include "../contact/strategies/projected_cg.hpp"
-#include "../contact/strategies/proximal_contact.hpp"
 #include "../contact/strategies/refined_contact.hpp"
 #include "../contact/strategies/schur_contact.hpp"
 #include "../integrators/bdf2_without_jump.hpp"
@@ -95,13 +95,13 @@ void add_contact_solvers(Registry& all) {
         return DenseContact(options);
     });
     all.add_contact("diagonal", [](NamedOptions&) { return DiagonalContact(); });
+    all.add_contact("floating", [](NamedOptions&) { return FloatingContact(); });
     all.add_contact("interior-point", [](NamedOptions&) { return InteriorPoint(std::make_shared<SchurContact>()); });
     all.add_contact("klu-active-set", [](NamedOptions&) { return KluActiveSet(); });
     all.add_contact("multigrid", [](NamedOptions&) { return MultigridActiveSet(); });
     all.add_contact("orthogonal", [](NamedOptions&) { return OrthogonalContact(); });
     all.add_contact("principal-pivoting", [](NamedOptions&) { return PrincipalPivoting(); });
     all.add_contact("projected-cg", [](NamedOptions&) { return ProjectedCg(); });
-    all.add_contact("proximal", [](NamedOptions&) { return ProximalContact(std::make_shared<SchurContact>()); });
     all.add_contact("refined", [](NamedOptions&) { return RefinedContact(std::make_shared<AutomaticContact>()); });
     all.add_contact("schur", [](NamedOptions&) { return SchurContact(); });
 }

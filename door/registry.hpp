@@ -13,8 +13,7 @@ namespace tact {
 /// newton] adaptive. atol is rtol / 1000 unless given.
 ///
 /// Contact solvers: automatic, diagonal, dense [compliance, screening], orthogonal, schur, klu-active-set, projected-cg,
-/// colour-sor, multigrid, interior-point (finished by schur), principal-pivoting, proximal (around schur), refined (around
-/// automatic).
+/// colour-sor, multigrid, interior-point (finished by schur), principal-pivoting, floating, refined (around automatic).
 const Registry& registry();
 
 }  // namespace tact

@@ -43,9 +43,9 @@ struct NewtonSolver::Frozen {
     double budget = cost_of_tangent;     ///< doubled by each tangent that was bought with it
 };
 
-NewtonSolver::NewtonSolver(const ContactProblem& problem, ContactWorkspace& workspace)
+NewtonSolver::NewtonSolver(const ContactProblem& problem, ContactWorkspace workspace)
     : problem_(problem),
-      workspace_(workspace),
+      workspace_(std::move(workspace)),
       force_(problem.size()),
       next_force_(problem.size()),
       load_(problem.size()),

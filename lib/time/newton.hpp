@@ -21,8 +21,8 @@ namespace tact {
 /// A tangent that is wrong costs iterations, at worst the outcome `iteration_limit`; it never changes an answer.
 class NewtonSolver {
 public:
-    /// `problem` has an r. Both must outlive it.
-    NewtonSolver(const ContactProblem& problem, ContactWorkspace& workspace);
+    /// `problem` has an r and must outlive it.
+    NewtonSolver(const ContactProblem& problem, ContactWorkspace workspace);
     ~NewtonSolver();
 
     /// The point takes u and lambda when the outcome is `converged`. `not_finite` where r or its tangent is; the report's
@@ -42,7 +42,7 @@ private:
     std::string what_is_wrong(double residual);
 
     const ContactProblem& problem_;
-    ContactWorkspace& workspace_;
+    ContactWorkspace workspace_;
     std::vector<std::unique_ptr<Frozen>> frozen_;  // most recent first
     Vector u_, lambda_, force_;                    // the point of the iteration, and r there
     Vector next_u_, next_lambda_, next_force_;     // what the contact solve makes of it
