@@ -1,6 +1,6 @@
 # tact_component(name
 #   SOURCES ...        .cpp files; none: a header-only component
-#   HEADERS ...        .hpp files, installed to include/tact/<path in the project>
+#   HEADERS ...        .hpp files; those in cmake/public_headers.txt are installed to include/tact/<path in the project>
 #   USES ...           other components, public
 #   PUBLIC ...         third-party targets which the headers include
 #   DEFINE ...         compile definitions, public
@@ -45,8 +45,12 @@ function(tact_component name)
   set_property(GLOBAL APPEND PROPERTY TACT_COMPONENTS ${name})
   set_property(GLOBAL PROPERTY TACT_${name}_USES "${arg_USES}")
   set_property(GLOBAL PROPERTY TACT_${name}_FIND "${arg_FIND}")
+  file(STRINGS "${PROJECT_SOURCE_DIR}/cmake/public_headers.txt" public)
   foreach(header IN LISTS arg_HEADERS)
     cmake_path(RELATIVE_PATH header BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    if(NOT header IN_LIST public)
+      continue()
+    endif()
     cmake_path(GET header PARENT_PATH folder)
     install(FILES "${PROJECT_SOURCE_DIR}/${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/tact/${folder}")
   endforeach()

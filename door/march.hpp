@@ -8,8 +8,8 @@
 
 namespace tact {
 
-/// One row a state, rows in one piece.
-using History = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+/// One row a state, rows in one piece; memory as that of a DenseMatrix (lib/types.hpp).
+using History = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor | Eigen::DontAlign>;
 
 /// Which states of a march are kept, and what of them. Memory is that of what is kept: for n unknowns and m rows
 /// 8 (2n + m) bytes a state with everything.

@@ -99,7 +99,7 @@ void SaddleActiveSet::take_modes(const Problem& p) {
         inverse_ = factor.solve(DenseMatrix::Identity(k, k));
         return;
     }
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> eigen(H_);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H_);
     const double least = k > 0 ? 1e-12 * eigen.eigenvalues()[k - 1] : 0;
     const Vector inverted = eigen.eigenvalues().unaryExpr([&](double h) { return h > least ? 1 / h : 0.0; });
     inverse_ = eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose();

@@ -216,7 +216,7 @@ DenseMatrix SoftModes::softest(double soft, double none) {
         }
         X = orthonormal(X);
         const DenseMatrix energy = X.transpose() * block.times(X);
-        const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(0.5 * (energy + energy.transpose()));
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(0.5 * (energy + energy.transpose()));
         const auto& values = ritz.eigenvalues();
         if (values[width - 1] <= none && width < n) {
             if (width >= most_modes)
@@ -294,10 +294,10 @@ void SoftModes::sort_by_stiffness() {
     DenseMatrix C(k, k);
     for (Index j = 0; j < k; ++j)
         for (Index i = 0; i <= j; ++i) C(i, j) = C(j, i) = extended_dot(R_.col(i), force.col(j));
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> eigen(C);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C);
     const DenseMatrix length = R_.cwiseAbs();
     const DenseMatrix size = length.transpose() * absolute_times(A_, length);
-    const DenseMatrix& Q = eigen.eigenvectors();
+    const Eigen::MatrixXd& Q = eigen.eigenvectors();
     stiffness_ = eigen.eigenvalues();
     std::vector<Index> order(at(k));
     std::iota(order.begin(), order.end(), Index{0});

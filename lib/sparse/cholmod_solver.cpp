@@ -185,8 +185,6 @@ std::string name_of(const SparseMatrix& A) {
     return "the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) + " sparse matrix";
 }
 
-std::unique_ptr<const Factor> factor_of(const SparseMatrix& A);
-
 class CholmodFactor final : public Factor {
 public:
     CholmodFactor(const SparseMatrix& A, Index blocks, const std::vector<Index>& last)

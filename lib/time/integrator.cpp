@@ -116,9 +116,9 @@ MarchReport march_through(const Integrator& method, const ContactProblem& given,
         march.last = run->advance();
         if (march.last.outcome != Outcome::converged) {
             march.outcome = march.last.outcome;
-            if (problem.c.constant())
+            if (given.c.constant())
                 if (const std::string row =
-                        contradiction_of_empty_row(march.last.contact, problem.B, problem.c.at(0));
+                        contradiction_of_empty_row(march.last.contact, given.B, given.c.at(0));
                     !row.empty())
                     throw InputError("ContactProblem: " + row);
             break;
