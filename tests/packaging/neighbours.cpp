@@ -12,6 +12,8 @@
 #include <tact/lib/scenes/membrane.hpp>
 #include <tact/lib/time/trajectory.hpp>
 #include <tact/rom/model/reduce.hpp>
+#include <tact/rom/model/reduced_basis.hpp>
+#include <tact/rom/model/reduced_model.hpp>
 
 #include "neighbour.hpp"
 
@@ -77,6 +79,15 @@ int main() {
         basis.U = tact::DenseMatrix::Identity(n, n);
         basis.U_lambda = tact::DenseMatrix::Identity(n, n);
         const tact::ContactProblem reduced = tact::reduce(full, basis);
+        // Inside, these use matrices of Eigen's own kind and functions that this program compiles too.
+        expect((tact::modal_basis(full, basis).U.transpose() * full.K.times(tact::modal_basis(full, basis).U) -
+                tact::DenseMatrix::Identity(n, n))
+                       .norm() < 1e3,
+               "modes");
+        Eigen::MatrixXd resized(2, 2);
+        for (int size = 3; size < 9; ++size) resized.resize(size, size + 1);
+        expect(resized.size() == 72, "resized");
+        expect(tact::report_basis(reduced, {}).p == n, "report");
         const Eigen::VectorXd u = tact::solve_static(reduced, workspace).u;
         expect((u - tact::solve_static(full, workspace).u).norm() < 1e-12, "reduced");
     }
