@@ -65,11 +65,11 @@ endfunction()
 # sanitizers, whose programs are compiled alike.
 function(tact_isolate_installed target)
   find_program(TACT_GNU_LINKER NAMES ld.bfd ld)
-  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux" OR NOT TACT_GNU_LINKER OR NOT CMAKE_OBJCOPY OR TACT_SANITIZE OR TACT_COVERAGE)
+  if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux" OR NOT TACT_GNU_LINKER OR NOT CMAKE_OBJCOPY OR NOT CMAKE_NM OR TACT_SANITIZE OR TACT_COVERAGE)
     return()
   endif()
   install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" \"-DLINKER=${TACT_GNU_LINKER}\" \"-DOBJCOPY=${CMAKE_OBJCOPY}\"
-    \"-DAR=${CMAKE_AR}\" \"-DLIBRARY=\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:${target}>\"
+    \"-DNM=${CMAKE_NM}\" \"-DAR=${CMAKE_AR}\" \"-DLIBRARY=\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/$<TARGET_FILE_NAME:${target}>\"
     -P \"${PROJECT_SOURCE_DIR}/cmake/isolate.cmake\" COMMAND_ERROR_IS_FATAL ANY)")
 endfunction()
 

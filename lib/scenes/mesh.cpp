@@ -77,7 +77,7 @@ double value_on_line(const Mesh& mesh, const ConstVectorRef& u, double x, std::s
     if (mesh.square()) throw InputError("value_on_line: the bodies lie over the unit square, expected on the line");
     if (!(x >= b.left && x <= b.right))
         throw InputError("value_on_line: x is " + shown(x) + ", expected from " + shown(b.left) + " to " +
-                         std::to_string(b.right));
+                         shown(b.right));
     // Between node k - 1 and node k; an end without an unknown is a node of its own with the value zero.
     const Index count = b.line.size();
     const Index k = std::lower_bound(b.line.data(), b.line.data() + count, x) - b.line.data();

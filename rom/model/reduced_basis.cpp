@@ -16,7 +16,7 @@ std::string shape(const DenseMatrix& A) { return std::to_string(A.rows()) + "x" 
 [[noreturn]] void reject(const std::string& what) { throw InputError("ReducedBasis: " + what); }
 
 [[noreturn]] void reject_entry(const char* name, const DenseMatrix& A, Index i, Index j, const char* expected) {
-    reject(std::string(name) + "(" + std::to_string(i) + "," + std::to_string(j) + ") is " + std::to_string(A(i, j)) +
+    reject(std::string(name) + "(" + std::to_string(i) + "," + std::to_string(j) + ") is " + shown(A(i, j)) +
            ", expected " + expected);
 }
 

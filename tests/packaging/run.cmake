@@ -40,6 +40,22 @@ string(REPLACE "," ";" COMPONENTS "${COMPONENTS}")
 file(REMOVE_RECURSE "${FOLDER}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${FOLDER}/prefix")
 
+# What the archives themselves say: no Eigen function is left for a program to take or replace, and no message prints a double
+# by std::to_string, which makes 0.000000 of 1e-7 (shown() is for that).
+find_program(NM nm)
+file(GLOB_RECURSE archives "${FOLDER}/prefix/*.a")
+if(NM)
+  foreach(archive IN LISTS archives)
+    execute_process(COMMAND "${NM}" "${archive}" OUTPUT_VARIABLE symbols ERROR_QUIET)
+    if(symbols MATCHES " [WVuTBD] (_Z+(GVZ*)?NK?5Eigen[^\n]*)")
+      message(FATAL_ERROR "${archive} shares ${CMAKE_MATCH_1} with whoever links it")
+    endif()
+    if(symbols MATCHES "__to_xstring")
+      message(FATAL_ERROR "${archive}: a message holds std::to_string of a double, expected shown()")
+    endif()
+  endforeach()
+endif()
+
 # A reduced run needs Eigen only.
 build_and_run(reduced "core;contact_dense;rom" SUNDIALS SuiteSparse GSL SerialHDF5 nlohmann_json GTest)
 build_and_run(all "${COMPONENTS}")

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "../../../integrators/moreau_jean.hpp"
 #include "../../../integrators/trapezoid.hpp"
 #include "../../../lib/time/integrator.hpp"
@@ -9,6 +12,10 @@
 
 namespace tact {
 namespace {
+
+using laws::Rows;
+using laws::strategies;
+using laws::Strategy;
 
 constexpr double one_rounding = 5.551115123125783e-17;  // of .1 + .2 - .3
 
