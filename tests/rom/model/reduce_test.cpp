@@ -157,7 +157,7 @@ TEST(ReducedFamily, AnswersLikeReductionAtEachParameterFromTouchedRowsOnly) {
             for (Index i = 0; i < m; ++i)
                 for (Index j = 0; j < p_lambda; ++j)
                     if ((i + j) % 6 != 0) basis.U_lambda(i, j) = 0;
-        const auto reduced = reduce(family, basis);
+        const auto reduced = reduce(Shared<ContactFamily>::borrowed(family), basis);
         const Parameter first = Eigen::Vector2d(0.1, 0.3), second = Eigen::Vector2d(0.25, 0.6);
         const ContactProblem expected = reduce(family.at(second), basis);
         family.closed = true;
