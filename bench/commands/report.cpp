@@ -23,6 +23,8 @@ void write_pages_of_studies(const std::filesystem::path& results) {
     }
 }
 
+std::filesystem::path bench_folder() { return TACT_BENCH_FOLDER; }
+
 Command report_command() {
     return {"report", "index.html: one page of the studies in a folder",
             [](CLI::App& command) -> std::function<int()> {

@@ -13,6 +13,9 @@ void write_page(const std::filesystem::path& results);
 /// NAME.md and NAME.svg again of every study whose NAME.json is in the folder: what is said of the numbers may have changed.
 void write_pages_of_studies(const std::filesystem::path& results);
 
+/// Where this was built from: bench of the project.
+std::filesystem::path bench_folder();
+
 Command report_command();
 
 }  // namespace tact::bench

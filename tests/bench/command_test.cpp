@@ -14,7 +14,7 @@ namespace {
 /// A study that says what it was asked for, run with a command line.
 Json asked(const std::vector<std::string>& words) {
     Json seen;
-    const Study study{.name = "speedup",  // its figure is drawn of no rows
+    const Study study{.name = "asked",
                       .about = "says what it is asked",
                       .takes_repeats = true,
                       .options = {{.name = "scenes", .about = "names"},
@@ -38,7 +38,7 @@ Json asked(const std::vector<std::string>& words) {
     const Command command = study_command(study);
     CLI::App* subcommand = app.add_subcommand(command.name, command.about);
     subcommand->callback([run = command.declare(*subcommand)] { (void)run(); });
-    std::vector<std::string> line{"speedup", "--out", testing::TempDir()};
+    std::vector<std::string> line{"asked", "--out", testing::TempDir()};
     line.insert(line.end(), words.begin(), words.end());
     std::ranges::reverse(line);  // as CLI11 takes them
     try {

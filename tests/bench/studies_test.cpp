@@ -78,7 +78,7 @@ TEST_F(Studies, FinishedOnesAreKeptAndThePageShowsWhatTheirJsonSays) {
 /// Each is told apart by its name, which is that of its folder and its files, and can be run, shown and drawn.
 TEST_F(Studies, EachIsRegisteredOnceWithAllItsParts) {
     std::set<std::string> names;
-    const std::filesystem::path folders = std::filesystem::path(__FILE__).parent_path() / "../../bench/studies";
+    const std::filesystem::path folders = bench_folder() / "studies";
     for (const Study& study : studies()) {
         EXPECT_TRUE(names.insert(study.name).second) << study.name;
         EXPECT_FALSE(study.about.empty()) << study.name;
@@ -96,7 +96,7 @@ TEST_F(Studies, EachIsRegisteredOnceWithAllItsParts) {
 
 /// The published pages are what the code makes of the published numbers.
 TEST_F(Studies, PublishedPagesFollowFromTheirJson) {
-    const std::filesystem::path results = std::filesystem::path(__FILE__).parent_path() / "../../docs/results";
+    const std::filesystem::path results = bench_folder() / "../docs/results";
     for (const Study& study : studies()) {
         const Json json = Json::parse(read_file(results / (study.name + ".json")));
         EXPECT_EQ(study.markdown(json), read_file(results / (study.name + ".md")))
