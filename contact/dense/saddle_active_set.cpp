@@ -14,6 +14,7 @@ namespace {
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 constexpr double dependence = SchurFactor::dependence;
+constexpr double balance_rounding = 1e-11;  // of the terms of a mode's balance
 constexpr double forgivable = 1e4;  // allowances that a dependent row may stay violated by
 
 }  // namespace
@@ -22,10 +23,28 @@ SaddleActiveSet::Report SaddleActiveSet::solve(const Problem& p, Vector& lambda,
     Report report;
     forgiven_.clear();
     report.outcome = primal_dual(p, lambda, tau, w, report);
-    if (report.outcome == Outcome::converged) return report;
-    report.repeated = true;
-    report.outcome = dual(p, lambda, tau, w, report);
+    if (report.outcome != Outcome::converged) {
+        report.repeated = true;
+        report.outcome = dual(p, lambda, tau, w, report);
+    }
+    if (report.outcome == Outcome::converged) drop_rounding(p, lambda, w);
     return report;
+}
+
+/// Forces that are rounding of the gaps leave if no gap and no balance misses them. In a motion that needs no force all are.
+void SaddleActiveSet::drop_rounding(const Problem& p, Vector& lambda, Vector& w) const {
+    const Index m = p.g.size();
+    const double least = m > 0 ? 1e-12 * p.g.lpNorm<Eigen::Infinity>() : 0;
+    Vector small = (lambda.array() <= least).select(lambda, 0.0);
+    if ((small.array() == 0).all()) return;
+    const Vector kept = lambda - small;
+    const Vector gap = p.S.topLeftCorner(m, m) * small, force = p.G.topRows(m).transpose() * small;
+    const Vector size = p.e_size + p.G.topRows(m).cwiseAbs().transpose() * kept;
+    if ((gap.array().abs() > p.allowance.array() + 4 * noise_).any() ||
+        (force.array().abs() > balance_rounding * size.array() && p.stiffness.array() == 0).any())
+        return;
+    lambda = kept;
+    w -= gap;
 }
 
 Outcome SaddleActiveSet::primal_dual(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report) {
@@ -76,7 +95,7 @@ Outcome SaddleActiveSet::start(const Problem& p, std::vector<Index>& rows) {
     const DenseMatrix G = p.G.topRows(p.g.size())(Eigen::all, free);
     const Balance balanced = balance(G, p.e(free));
     const Vector size = p.e_size(free);
-    if ((balanced.rest.array().abs() > 1e-11 * size.array()).any()) {
+    if ((balanced.rest.array().abs() > balance_rounding * size.array()).any()) {
         certificate_ = Vector::Zero(p.stiffness.size());
         certificate_(free) = -balanced.rest;
         return Outcome::unbounded;
@@ -153,7 +172,7 @@ double SaddleActiveSet::imbalance(const Problem& p, const Vector& tau) const {
     }
     double worst = 0;
     for (Index j = 0; j < off.size(); ++j)
-        if (off[j] != 0) worst = std::max(worst, std::abs(off[j]) / (1e-11 * size[j]));
+        if (off[j] != 0) worst = std::max(worst, std::abs(off[j]) / (balance_rounding * size[j]));
     return worst;
 }
 

@@ -298,7 +298,7 @@ void SoftModes::sort_by_stiffness() {
     const DenseMatrix length = R_.cwiseAbs();
     const DenseMatrix size = length.transpose() * absolute_times(A_, length);
     const Eigen::MatrixXd& Q = eigen.eigenvectors();
-    stiffness_ = eigen.eigenvalues();
+    stiffness_ = faint_ = eigen.eigenvalues();
     std::vector<Index> order(at(k));
     std::iota(order.begin(), order.end(), Index{0});
     for (Index j = 0; j < k; ++j) {
@@ -312,6 +312,8 @@ void SoftModes::sort_by_stiffness() {
     free_ = (stiffness_.array() == 0).count();
     R_ = DenseMatrix(R_ * Q)(Eigen::all, order).eval();
     stiffness_ = Vector(stiffness_(order));
+    order.resize(at(free_));
+    faint_ = Vector(faint_(order));
 }
 
 }  // namespace tact

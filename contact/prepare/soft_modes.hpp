@@ -29,6 +29,8 @@ public:
     const Matrix& A() const { return A_; }       ///< in unknowns of unit stiffness
     const DenseMatrix& R() const { return R_; }  ///< n x k
     const Vector& stiffness() const { return stiffness_; }
+    /// R'A R of the free modes: what A's rounding has left of it.
+    const Vector& faint() const { return faint_; }
     Index free() const { return free_; }
     /// x := P x.
     void solve(Eigen::Ref<DenseMatrix> x) const;
@@ -52,7 +54,7 @@ private:
     std::unique_ptr<const Factor> factor_;        // of A_FF
     DenseMatrix held_, held_stiffness_;           // R and R'A R of pinned unknowns that were not soft: part of P
     DenseMatrix R_;
-    Vector stiffness_;
+    Vector stiffness_, faint_;
     Index free_ = 0;
 };
 

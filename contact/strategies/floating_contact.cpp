@@ -110,10 +110,10 @@ private:
                 return Outcome::infeasible;
             }
         if (!take_off_what_nothing_holds(report)) return Outcome::unbounded;
+        fill_pool(c);
         free_ = load_;
         solve_stiff(free_);
         reach_ = free_.lpNorm<Eigen::Infinity>();
-        fill_pool(c);
         for (;;) {
             if (static_cast<Index>(pool_.size()) > most_rows) return Outcome::iteration_limit;
             const Outcome end = solve_pool(c, report);
@@ -151,6 +151,9 @@ private:
         G_ = rows_.transpose() * R_;
         stiffness_.setZero(R_.cols());
         stiffness_.tail(k - free) = modes_.stiffness().tail(k - free);
+        faint_.setZero(R_.cols(), R_.cols());
+        faint_.topLeftCorner(taking_part, taking_part) =
+            turn.leftCols(taking_part).transpose() * modes_.faint().asDiagonal() * turn.leftCols(taking_part);
         pool_.clear();
         std::fill(place_.begin(), place_.end(), -1);
         compliance_.resize(0, 0);
@@ -169,6 +172,8 @@ private:
             R_.col(j) *= factor;
             G_.col(j) *= factor;
             stiffness_[j] *= factor * factor;
+            faint_.row(j) *= factor;
+            faint_.col(j) *= factor;
         }
         scaled_ = true;
     }
@@ -371,15 +376,19 @@ private:
         return worst_imbalance(r) <= 1;
     }
 
-    /// Of the forces along each mode, in what is allowed of them.
+    /// Of the forces along each mode, in what is allowed of them. What A's rounding leaves of a stiffness that is none has a
+    /// force, which nobody knows.
     double worst_imbalance(const Vector& r) const {
+        constexpr double rounding = std::numeric_limits<double>::epsilon();
         const Vector force = rows_ * lambda_;
-        const Vector sizes = size_of_balance(R_, load_) + R_.cwiseAbs().transpose() * force.cwiseAbs();
+        const Vector sizes = size_of_balance(R_, load_) + R_.cwiseAbs().transpose() * force.cwiseAbs() +
+                             stiffness_.cwiseProduct(tau_.cwiseAbs());
+        const Vector unknown = 2 * faint_.cwiseAbs() * tau_.cwiseAbs() +
+                               4 * rounding * R_.cwiseAbs().transpose() * r.cwiseAbs();
         double worst = 0;
         for (Index j = 0; j < R_.cols(); ++j) {
             const double rest = std::abs(extended_dot(R_.col(j), r));
-            if (rest != 0)
-                worst = std::max(worst, rest / (balanced * (sizes[j] + stiffness_[j] * std::abs(tau_[j]))));
+            if (rest != 0) worst = std::max(worst, rest / (balanced * sizes[j] + unknown[j]));
         }
         return r.allFinite() ? worst : infinity;
     }
@@ -426,6 +435,7 @@ private:
     DenseMatrix loose_;     // modes without stiffness that no such row takes part in
     DenseMatrix R_, G_;     // the other modes, and B R
     Vector stiffness_;
+    DenseMatrix faint_;      // R'A R of those without stiffness, to A's last digits
     std::vector<Index> pool_, place_;
     DenseMatrix compliance_, S_, pool_G_;
     Vector scale_;
