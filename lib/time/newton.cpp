@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -9,10 +10,11 @@
 namespace tact {
 namespace {
 
-/// The residual that AutomaticContact asks of a strategy before it tries another.
-constexpr double sharp = 1e-12;
-/// The residual that the sparse strategies accept where rounding leaves no smaller one.
+/// The residual that the sparse strategies accept of one solve, and r where rounding leaves no smaller one.
 constexpr double acceptable = 1e-10;
+/// Of the load, some roundings: inertia makes b, and with it what an error of r does to the acceleration, as large as
+/// 1 / dt^2. An iterative strategy leaves more than this, and r may add as much as that.
+constexpr double sharp = 64 * std::numeric_limits<double>::epsilon();
 constexpr int most_solves = 50;
 /// More solves than this with one tangent cost more than a new tangent and the two or three solves after it.
 constexpr double patience = 8;
@@ -57,7 +59,8 @@ NewtonSolver::~NewtonSolver() = default;
 ContactReport NewtonSolver::solve(const Combination& combination, const ConstVectorRef& b, const RowBounds& rows,
                                   ContactPoint point) {
     u_ = point.u;
-    lambda_ = point.lambda;
+    moved_ = false;
+    start_lambda_ = point.lambda;
     problem_.r->force(u_, force_);
     fault_.clear();
     fresh_ = false;
@@ -67,69 +70,93 @@ ContactReport NewtonSolver::solve(const Combination& combination, const ConstVec
         renew(*at);
     }
     ContactReport report;
-    if (fault_.empty()) report = iterate(*at, b, rows);
+    if (fault_.empty()) report = iterate(*at, b, c, point);
     if (!fault_.empty()) {
         report.outcome = Outcome::not_finite;
         report.detail = fault_;
     }
-    if (report.outcome == Outcome::converged) {
-        point.u = next_u_;
-        point.lambda = next_lambda_;
+    if (report.outcome != Outcome::converged) {
+        point.u = moved_ ? start_u_ : u_;
+        point.lambda = start_lambda_;
     }
     return report;
 }
 
-/// From u_, lambda_ and force_ to next_u_ and next_lambda_.
-ContactReport NewtonSolver::iterate(Frozen& at, const ConstVectorRef& b, const RowBounds& rows) {
-    double before = infinity;  // the smallest residual so far
+/// Begins at u_ and force_, with point as the guess; leaves the last solve in point.
+ContactReport NewtonSolver::iterate(Frozen& at, const ConstVectorRef& b, const RowBounds& rows, ContactPoint point) {
+    const double loads = b.lpNorm<Eigen::Infinity>();
+    // The smallest change so far. A first step from afar may lead further away: there r(u) alone makes it about 1.
+    double before = 0.5;
+    bool moved = false;
     int iterations = 0;
     for (int solves = 1;; ++solves) {
         load_ = b - force_;
         if (at.tangent) at.tangent->multiply(u_, load_, 1, 1);
-        next_u_ = u_;
-        next_lambda_ = lambda_;
-        ContactReport report = at.contact->solve_rows(load_, rows, {next_u_, next_lambda_});
+        ContactReport report = at.contact->solve(load_, c, point);
         report.iterations = iterations += report.iterations;
         if (report.outcome != Outcome::converged) {
             fault_ = entry_that_is_not_finite("r(u)", force_);
-            if (fresh_ || !fault_.empty()) return report;
-            renew(at);
+            if (!fault_.empty()) return report;
+            if (solves == most_solves || (fresh_ && !at.tangent)) {
+                report.kkt = at.certificate(b, rows, point.u, point.lambda, force_);
+                return report;
+            }
+            // With the tangent of this very point A + T may be indefinite: A alone need not be.
+            if (fresh_)
+                leave_out_tangent(at);
+            else
+                renew(at);
             if (!fault_.empty()) return report;
             continue;
         }
-        problem_.r->force(next_u_, next_force_);
-        report.kkt = at.certificate(b, rows, next_u_, next_lambda_, next_force_);
-        const double residual = report.kkt.stationarity;
-        const bool falls = residual < before;
-        const bool fast = std::isfinite(before) ? residual * std::pow(residual / before, patience) <= sharp : falls;
-        if (residual <= sharp || (!fast && fresh_ && residual <= acceptable && residual >= 0.5 * before)) {
+        problem_.r->force(point.u, next_force_);
+        const double left = std::max(sharp, report.kkt.absolute.stationarity / std::max(loads, underflow));
+        const double change = change_of_load(at, loads, point.u);
+        const bool falls = change < before;
+        const bool fast = moved ? change * std::pow(change / before, patience) <= left : falls;
+        const bool done = change <= left || (!fast && fresh_ && change <= acceptable && change >= 0.5 * before);
+        if (done || solves == most_solves) {
+            report.kkt = at.certificate(b, rows, point.u, point.lambda, next_force_);
             at.spent += solves - 1;
-            return report;
-        }
-        if (solves == most_solves) {
-            report.outcome = Outcome::iteration_limit;
-            report.detail = what_is_wrong(residual);
+            if (done && report.kkt.stationarity <= acceptable) return report;
+            report.outcome = done ? Outcome::inaccurate : Outcome::iteration_limit;
+            report.detail = what_is_wrong(report, loads, solves, point.u);
             return report;
         }
         if (falls || !fresh_) {
             if (falls) {
-                take_step();
-                before = residual;
+                move_to(point.u);
+                before = change;
+                moved = true;
             }
             fresh_ = false;
             if (!fast) renew(at);
         } else {
-            shorten_step(at, b);
+            shorten_step(at, b, point.u);
             if (fault_.empty()) renew(at);
         }
         if (!fault_.empty()) return report;
     }
 }
 
-void NewtonSolver::take_step() {
-    u_.swap(next_u_);
-    lambda_.swap(next_lambda_);
-    force_.swap(next_force_);
+/// r(u) - r(u_) - T (u - u_): by so much the load of the solve that gave u differs from that of the stage; over the largest
+/// of b and r(u). Unlike |A||u|, which the residual is measured by, these do not hide a small force behind large ones that
+/// cancel.
+double NewtonSolver::change_of_load(const Frozen& at, double loads, const ConstVectorRef& u) {
+    if (at.tangent) {
+        work_ = u - u_;
+        at.tangent->multiply(work_, product_);
+    }
+    // In one pass: at full size vectors come from memory. The sum keeps every NaN, a comparison drops it.
+    double change = 0, largest = loads, sum = 0;
+    for (Index i = 0; i < u.size(); ++i) {
+        const double here = next_force_[i] - force_[i] - (at.tangent ? product_[i] : 0.0);
+        change = std::max(change, std::abs(here));
+        largest = std::max(largest, std::abs(next_force_[i]));
+        sum += std::abs(here);
+    }
+    if (!std::isfinite(sum)) return infinity;
+    return change == 0 ? 0 : change / std::max(largest, underflow);
 }
 
 NewtonSolver::Frozen* NewtonSolver::frozen(const Combination& combination) {
@@ -175,10 +202,17 @@ void NewtonSolver::put_in(Frozen& at, const Matrix& tangent) {
         at.owned = true;
         at.tangent = tangent;
     } catch (const NumericalError&) {
-        if (at.tangent) return;
-        at.contact = workspace_.prepared(problem_, at.combination);
-        at.owned = false;
+        if (!at.tangent) leave_out_tangent(at);
+    } catch (const InputError&) {
+        if (!(A.main_diagonal().array() < 0).any()) throw;
+        if (!at.tangent) leave_out_tangent(at);
     }
+}
+
+void NewtonSolver::leave_out_tangent(Frozen& at) {
+    at.contact = workspace_.prepared(problem_, at.combination);
+    at.owned = false;
+    at.tangent.reset();
 }
 
 /// Whether T = 0 leaves the iteration fast: the inertia of every row outweighs its stiffness r'.
@@ -190,10 +224,10 @@ bool NewtonSolver::outweighed_by_inertia(const Combination& combination, const M
     return (tangent.main_diagonal().array().abs() <= share * inertia.array()).all();
 }
 
-/// From u_ towards next_u_ to where A u + r(u) - b no longer works along the way: there the potential is least, where
-/// there is one. The whole step where the work is negative to its end.
-void NewtonSolver::shorten_step(const Frozen& at, const ConstVectorRef& b) {
-    work_ = next_u_ - u_;
+/// From u_ towards `next` to where A u + r(u) - b no longer works along the way: there the potential is least, where there is
+/// one. The whole step where the work is negative to its end.
+void NewtonSolver::shorten_step(const Frozen& at, const ConstVectorRef& b, VectorRef next) {
+    work_ = next - u_;
     at.A.multiply(u_, product_);
     const double start = work_.dot(product_ + force_ - b);
     at.A.multiply(work_, product_);
@@ -202,11 +236,7 @@ void NewtonSolver::shorten_step(const Frozen& at, const ConstVectorRef& b) {
     for (int trial = 0; trial < 40; ++trial) {
         const double work = start + length * slope + work_.dot(next_force_ - force_);
         const bool finite = std::isfinite(work);
-        if (finite && (start >= 0 || std::abs(work) <= 0.1 * std::abs(start) || (work < 0 && length == 1))) {
-            if (length < 1) next_u_ = u_ + length * work_;
-            take_step();
-            return;
-        }
+        if (finite && (start >= 0 || std::abs(work) <= 0.1 * std::abs(start) || (work < 0 && length == 1))) break;
         (finite && work < 0 ? low : high) = length;
         length = 0.5 * (low + high);
         load_ = u_ + length * work_;
@@ -214,26 +244,37 @@ void NewtonSolver::shorten_step(const Frozen& at, const ConstVectorRef& b) {
     }
     fault_ = entry_that_is_not_finite("r(u)", next_force_);
     if (!fault_.empty()) return;
-    next_u_ = load_;
-    take_step();
+    if (length < 1) next = u_ + length * work_;
+    move_to(next);
 }
 
-std::string NewtonSolver::what_is_wrong(double residual) {
-    // The derivative of r along the last step, by a difference, against the tangent.
+void NewtonSolver::move_to(const ConstVectorRef& next) {
+    if (!std::exchange(moved_, true)) start_u_.swap(u_);
+    u_ = next;
+    force_.swap(next_force_);
+}
+
+/// For the report: how large the residual is beside b and r, and whether the tangent is at fault.
+std::string NewtonSolver::what_is_wrong(const ContactReport& report, double loads, int solves,
+                                        const ConstVectorRef& u) {
+    const double forces = std::max(loads, next_force_.lpNorm<Eigen::Infinity>());
     std::ostringstream text;
-    text << "r(u): the residual is " << residual << " of the forces after " << most_solves << " contact solves";
-    work_ = next_u_ - u_;
+    text << "with r(u): after " << solves << " contact solves the largest residual is "
+         << report.kkt.absolute.stationarity << ", the largest entry of the load and of r(u) " << forces;
+    // The derivative of r along the last step, by a difference, against the tangent.
+    work_ = u - u_;
     const double size = work_.lpNorm<Eigen::Infinity>();
     if (!(size > 0)) return text.str();
     const double h = 1e-6 * std::max(u_.lpNorm<Eigen::Infinity>(), size) / size;
     problem_.r->tangent(u_).multiply(work_, product_);
     load_ = u_ + h * work_;
     problem_.r->force(load_, next_force_);
-    const Vector change = (next_force_ - force_) / h;
-    const double difference = (change - product_).lpNorm<Eigen::Infinity>();
-    if (!(difference <= 0.01 * std::max(change.lpNorm<Eigen::Infinity>(), product_.lpNorm<Eigen::Infinity>())))
-        text << "; the tangent of r is not its derivative: along the last step it gives at most "
-             << product_.lpNorm<Eigen::Infinity>() << ", differences of r give " << change.lpNorm<Eigen::Infinity>();
+    const Vector slope = (next_force_ - force_) / h;
+    const double difference = (slope - product_).lpNorm<Eigen::Infinity>();
+    const double by_tangent = product_.lpNorm<Eigen::Infinity>(), by_force = slope.lpNorm<Eigen::Infinity>();
+    if (!(difference <= 0.01 * std::max(by_tangent, by_force)))
+        text << "; the tangent of r is not its derivative: along the last step it gives at most " << by_tangent
+             << ", differences of r give " << by_force;
     return text.str();
 }
 

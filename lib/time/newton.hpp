@@ -17,8 +17,9 @@ namespace tact {
 /// A new tangent r'(u_k) comes, by PreparedContact::update, when the residual falls too slowly, or when the solves that the old
 /// one has cost beyond one a stage are worth it. Where a step with a tangent of its own point does not make the residual fall,
 /// it is shortened to where r, A and b do no more work along it.
-/// It ends on the residual of the equations above, with r evaluated anew at the u that is returned: that is the certificate.
-/// A tangent that is wrong costs iterations, at worst the outcome `iteration_limit`; it never changes an answer.
+/// It ends when the load of the last solve is that of the equations above to what that solve left itself, or to 64 roundings of
+/// the largest entry of b and r(u). The
+/// certificate is that of these equations, with r evaluated anew at the u that is returned. A tangent that is wrong costs iterations, at worst the outcome `iteration_limit`; it never changes an answer.
 class NewtonSolver {
 public:
     /// `problem` has an r and must outlive it.
@@ -32,21 +33,24 @@ public:
 
 private:
     struct Frozen;
-    ContactReport iterate(Frozen& at, const ConstVectorRef& b, const RowBounds& rows);
-    void take_step();
+    ContactReport iterate(Frozen& at, const ConstVectorRef& b, const RowBounds& rows, ContactPoint point);
+    void move_to(const ConstVectorRef& next);
+    double change_of_load(const Frozen& at, double loads, const ConstVectorRef& u);
     Frozen* frozen(const Combination& combination);
     void renew(Frozen& at);
     void put_in(Frozen& at, const Matrix& tangent);
+    void leave_out_tangent(Frozen& at);
     bool outweighed_by_inertia(const Combination& combination, const Matrix& tangent) const;
-    void shorten_step(const Frozen& at, const ConstVectorRef& b);
-    std::string what_is_wrong(double residual);
+    void shorten_step(const Frozen& at, const ConstVectorRef& b, VectorRef next);
+    std::string what_is_wrong(const ContactReport& report, double loads, int solves, const ConstVectorRef& u);
 
     const ContactProblem& problem_;
     ContactWorkspace workspace_;
     std::vector<std::unique_ptr<Frozen>> frozen_;  // most recent first
-    Vector u_, lambda_, force_;                    // the point of the iteration, and r there
-    Vector next_u_, next_lambda_, next_force_;     // what the contact solve makes of it
+    Vector start_u_, start_lambda_;  // what a failed solve gives back; u only once the iteration has moved
+    Vector u_, force_, next_force_;  // the point of the iteration, r there and at the next one
     Vector load_, work_, product_;
+    bool moved_ = false;
     bool fresh_ = false;  // the tangent in use is that of u_, or there is no better one
     std::string fault_;   // what is not finite
 };
