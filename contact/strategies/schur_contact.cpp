@@ -97,6 +97,7 @@ class PreparedSchur final : public PreparedContact {
 public:
     PreparedSchur(const Matrix& A, const Matrix& B, std::shared_ptr<const LinearSolver> linear, SchurOptions options)
         : linear_(std::move(linear)),
+          least_stiffness_(options.least_stiffness),
           factor_(linear_->factorize(A)),
           B_(B),
           accept_(A, B),
@@ -108,8 +109,7 @@ public:
           gap_(B.rows()),
           free_gap_(B.rows()),
           allowance_(B.rows()),
-          lambda_(Vector::Zero(B.rows())),
-          least_stiffness_(options.least_stiffness) {
+          lambda_(Vector::Zero(B.rows())) {
         check_stiffness(A, *factor_);
     }
 
@@ -358,6 +358,7 @@ private:
     }
 
     std::shared_ptr<const LinearSolver> linear_;
+    double least_stiffness_;  // 0: any
     std::unique_ptr<const Factor> factor_;
     Matrix B_;
     Acceptance accept_;
@@ -370,7 +371,6 @@ private:
     bool factored_pool_ = false;  // what active_set_ has a factor of is a part of the pool
     DenseMatrix S_;               // of the working set, as what follows
     Vector working_g_, working_allowance_, working_multiplier_, working_w_;
-    double least_stiffness_;  // 0: any
     double reach_ = 0;        // of free_, in units of energy
     Vector load_, free_, u_, gap_, free_gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
 };

@@ -70,7 +70,7 @@ ContactReport NewtonSolver::solve(const Combination& combination, const ConstVec
         renew(*at);
     }
     ContactReport report;
-    if (fault_.empty()) report = iterate(*at, b, c, point);
+    if (fault_.empty()) report = iterate(*at, b, rows, point);
     if (!fault_.empty()) {
         report.outcome = Outcome::not_finite;
         report.detail = fault_;
