@@ -30,6 +30,8 @@ using Prepared = std::unique_ptr<PreparedContact>;
 constexpr Index largest_orthogonal = 4000;
 /// Rows up to which pivots on a whole tableau are cheap.
 constexpr Index largest_tableau = 500;
+/// Numbers in a dense B that few unknowns may have: five copies of them are 160 MB.
+constexpr Index largest_dense_rows = 4000000;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
 constexpr Index cheap_to_factor = 20000;
 
@@ -106,8 +108,11 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
     if (const Vector* diagonal = A.diagonal_entries();
         diagonal && (diagonal->array() >= 0).all() && may(Strategy::diagonal) && shape_of(B).disjoint)
         return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
-    if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
+    const bool small = A.rows() <= options.small;
+    if ((!A.sparse() || small) && B.rows() <= 4 * options.small && may(Strategy::dense))
         return {Strategy::dense, "small or dense"};
+    if (small && B.rows() <= largest_dense_rows / A.rows() && may(Strategy::dense))
+        return {Strategy::dense, "few unknowns, of whose many rows few can be held"};
     const RowShape rows = shape_of(B);
     const MatrixFacts facts = matrix_facts(A);
     const bool sor = rows.bounds && may(Strategy::colour_sor);
@@ -119,7 +124,7 @@ Choice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& op
     if (B.rows() > 0 && rows.bounds && facts.m_matrix && facts.positive_diagonal && !facts.narrow &&
         may(Strategy::multigrid_active_set))
         return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
-    if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
+    if (!small && !rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
         may(Strategy::interior_point))
         return {Strategy::interior_point, "many rows that overlap"};
     if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};
