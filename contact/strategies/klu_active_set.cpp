@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "../dense/acceptance.hpp"
+#include "../dense/exchanges.hpp"
 #include "../prepare/matrix_facts.hpp"
 #include "../prepare/nested_start.hpp"
 #include "condensed_system.hpp"
+#include "touched_rows.hpp"
 
 namespace tact {
 namespace {
@@ -27,54 +28,6 @@ Vector unit_rows(const SparseMatrix& B) {
         for (SparseMatrix::InnerIterator it(B, j); it; ++it) square[it.row()] += it.value() * it.value();
     return square.unaryExpr(&unit_of);
 }
-
-/// Which wrong rows change sides. All of them, as long as no set comes back: the primal-dual active set. Then all while
-/// they become fewer, and the first one alone after three sets in which they did not: finite wherever each set has one
-/// solution and it is told from rounding. J. J. Judice, F. M. Pires, Comput. Oper. Res. 21 (1994); K. G. Murty (1974).
-class Exchanges {
-public:
-    void start() {
-        visited_.clear();
-        careful_ = false;
-    }
-    /// Whether a set has come back since start().
-    bool careful() const { return careful_; }
-    /// Changes `active` by the wrong rows. false if it is then a set that was left before, for the first time or again.
-    bool apply(std::vector<char>& active, const std::vector<Index>& wrong) {
-        if (visited_.empty()) visited_.insert(fingerprint(active));
-        bool all = true;
-        if (careful_) {
-            if (wrong.size() < fewest_) {
-                fewest_ = wrong.size();
-                patience_ = patient;
-            } else if (patience_ > 0) {
-                --patience_;
-            }
-            all = patience_ > 0;
-        }
-        for (std::size_t k = 0; k < (all ? wrong.size() : 1); ++k) active[at(wrong[k])] ^= 1;
-        if (visited_.insert(fingerprint(active)).second) return true;
-        visited_.clear();
-        if (!careful_) {
-            careful_ = true;
-            fewest_ = wrong.size();
-            patience_ = patient;
-        }
-        return false;
-    }
-
-private:
-    static constexpr int patient = 3;
-    static std::uint64_t fingerprint(const std::vector<char>& active) {
-        std::uint64_t hash = 1469598103934665603ULL;
-        for (const char on : active) hash = (hash ^ static_cast<std::uint64_t>(on)) * 1099511628211ULL;
-        return hash;
-    }
-    std::unordered_set<std::uint64_t> visited_;
-    bool careful_ = false;
-    std::size_t fewest_ = 0;
-    int patience_ = 0;
-};
 
 /// Rows with one entry as an interval for each unknown.
 class Intervals {
@@ -120,6 +73,7 @@ public:
           B_(B.to_sparse() * unit_.asDiagonal()),
           row_unit_(unit_rows(B_)),
           rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
+          symmetric_(A.is_symmetric()),
           system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
           active_(at(B.rows()), 0) {
         if (rows_.bounds()) {
@@ -133,8 +87,17 @@ public:
         report.strategy = "KLU condensed";
         b_ = b.cwiseProduct(unit_);
         c_ = c.cwiseProduct(row_unit_);
+        if (pool_pays()) {
+            if (solve_on_pool(point.lambda, report)) {
+                accept_.certify(report, b, c, u_, lambda_, acceptable, 0, point);
+                if (report.outcome == Outcome::converged) return report;
+            }
+            report = {};
+            report.strategy = "KLU condensed";
+        }
         for (Index i = 0; i < c.size(); ++i) active_[at(i)] = point.lambda[i] > 0 && c[i] != -infinity;
         if (!find_set(report)) return report;
+        note_costs(report.iterations);
         // A bound is met exactly: a gap of zero then is zero, not rounding.
         for (Index i = 0; i < c.size(); ++i)
             if (active_[at(i)] && rows_.columns(i).size() == 1) u_[rows_.columns(i)[0]] = c_[i] / rows_.weights(i)[0];
@@ -153,6 +116,10 @@ private:
     static constexpr int patient = 4;
     /// Rows that may be wrong at first where nothing was guessed: an active set then needs no better start.
     static constexpr std::size_t few = 8;
+
+    static constexpr std::size_t pool_bytes = std::size_t{1} << 30;
+    /// Sets that a solve by refactoring takes at least when contact changes: rows for that price join the pool at any time.
+    static constexpr double affordable_sets = 4;
 
     /// The set whose solution violates no row and pulls at none; false, with the reason in the report, if none is found.
     bool find_set(ContactReport& report) {
@@ -190,6 +157,62 @@ private:
         }
     }
 
+    /// One factor of A for all sets, and the rows in contact as columns of a pool.
+    struct Behind {
+        Behind(const SparseMatrix& A, bool symmetric, const Matrix& B, const ConstraintRows& rows)
+            : factor(A),
+              touched(factor, symmetric ? TransposedSolve() : [this](auto X) { factor.solve_transposed(X); }, B, rows,
+                      pool_bytes) {}
+        KluFactor factor;
+        TouchedRows touched;
+    };
+
+    /// What refactoring has cost since the pool took in rows, against what the rows in contact would cost it: whoever changes
+    /// when the one has reached the other pays at most twice what the better of the two would have cost from the start.
+    void note_costs(int sets) {
+        factor_cost_ = std::max(factor_cost_, system_.factor_cost());
+        const double solve_cost = system_.solve_cost() * (symmetric_ ? 1 : 2);
+        if (sets > 1 || behind_) spent_ += sets * factor_cost_;
+        double missing = 0, held = 0;
+        for (Index i = 0; i < c_.size(); ++i) {
+            if (!active_[at(i)]) continue;
+            ++held;
+            if (!behind_ || !behind_->touched.pool().holds(i)) ++missing;
+        }
+        // Dense operations on held rows run about ten times as fast as sparse ones.
+        const bool small = held * held * held <= 30 * factor_cost_ && held * held * sizeof(double) <= pool_bytes / 4;
+        pays_ = small && spent_ >= missing * solve_cost + (behind_ ? 0 : factor_cost_);
+        solve_cost_ = solve_cost;
+    }
+    bool pool_pays() const { return pays_; }
+
+    /// false if the pool's dense active set has no answer, or too many rows are new.
+    bool solve_on_pool(const ConstVectorRef& guess, ContactReport& report) {
+        if (!behind_) {
+            const SparseMatrix A = system_.by_row().transpose();
+            behind_ = std::make_unique<Behind>(A, symmetric_, Matrix(SparseMatrix(row_unit_.asDiagonal() * B_)), rows_);
+        }
+        if (load_.size() != b_.size() || load_ != b_) {
+            free_ = b_;
+            behind_->factor.solve(free_);
+            load_ = b_;
+        }
+        const Index before = behind_->touched.pool().size();
+        const double price = std::max(spent_, affordable_sets * factor_cost_);
+        const auto most = static_cast<Index>(std::min(price / solve_cost_, 1e9)) + 1;
+        report.strategy = "KLU pool";
+        const Outcome outcome = behind_->touched.solve(free_, c_, guess, report, most);
+        const Index fresh = behind_->touched.pool().size() - before;
+        if (fresh > 0) spent_ = std::max(0.0, spent_ - static_cast<double>(fresh) * solve_cost_);
+        if (outcome != Outcome::converged) {
+            pays_ = false;
+            return false;
+        }
+        u_ = behind_->touched.u().cwiseProduct(unit_);
+        lambda_ = behind_->touched.lambda().cwiseProduct(row_unit_);
+        return true;
+    }
+
     bool start_nested() {
         if (!intervals_->set(c_) || !nested_->find(b_, intervals_->lower(), intervals_->upper(), u_, side_))
             return false;
@@ -216,7 +239,12 @@ private:
     SparseMatrix B_;  // in these units
     Vector row_unit_;
     ConstraintRows rows_;
+    bool symmetric_;
     CondensedSystem system_;
+    std::unique_ptr<Behind> behind_;
+    bool pays_ = false;
+    double spent_ = 0, factor_cost_ = 0, solve_cost_ = 0;  // operations
+    Vector load_, free_;                                   // A^-1 load_, in these units
     Exchanges exchanges_;
     std::optional<Intervals> intervals_;  // where every row has one entry
     std::optional<NestedStart> nested_;

@@ -75,25 +75,11 @@ double KluRefactorable::solve_cost() const {
     return 2 * static_cast<double>(klu_->numeric->lnz + klu_->numeric->unz + klu_->numeric->nzoff);
 }
 
-namespace {
-
-class KluFactor final : public Factor {
-public:
-    explicit KluFactor(const SparseMatrix& A) : klu_(A) {
-        if (!klu_.refactor())
-            throw NumericalError("KLU: the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) +
-                                 " sparse matrix is singular");
-    }
-    Index size() const override { return klu_.matrix().rows(); }
-    void solve(Eigen::Ref<DenseMatrix> B) const override {
-        klu_.solve(B);
-    }
-
-private:
-    KluRefactorable klu_;
-};
-
-}  // namespace
+KluFactor::KluFactor(const SparseMatrix& A) : klu_(A) {
+    if (!klu_.refactor())
+        throw NumericalError("KLU: the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) +
+                             " sparse matrix is singular");
+}
 
 std::unique_ptr<const Factor> KluSolver::factorize(const Matrix& A) const {
     if (A.rows() != A.cols() || A.rows() == 0)

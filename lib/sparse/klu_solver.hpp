@@ -41,4 +41,19 @@ private:
     long full_factorisations_ = 0;
 };
 
+/// The factor that KluSolver makes, with what only an LU factor can do.
+class KluFactor final : public Factor {
+public:
+    /// NumericalError if A is singular.
+    explicit KluFactor(const SparseMatrix& A);
+    Index size() const override { return klu_.matrix().rows(); }
+    void solve(Eigen::Ref<DenseMatrix> B) const override { klu_.solve(B); }
+    void solve_transposed(Eigen::Ref<DenseMatrix> B) const { klu_.solve_transposed(B); }
+    double factor_cost() const { return klu_.factor_cost(); }
+    double solve_cost() const { return klu_.solve_cost(); }
+
+private:
+    KluRefactorable klu_;
+};
+
 }  // namespace tact
