@@ -123,8 +123,7 @@ private:
     void form_condensed() {
         rows_.S = rows_.B * rows_.W;
         rows_.S = (0.5 * (rows_.S + rows_.S.transpose())).eval();
-        if (rows_.compliance.size() > 0)
-            rows_.S.diagonal() += rows_.compliance.cwiseProduct(rows_.scale.cwiseAbs2());
+        if (rows_.compliance.size() > 0) rows_.S.diagonal() += rows_.compliance.cwiseProduct(rows_.scale.cwiseAbs2());
     }
 
     /// u = A^-1 b

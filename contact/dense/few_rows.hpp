@@ -41,12 +41,12 @@ private:
     ScreenedGaps screen_;
     KktCertificate certificate_;
     RowsInPlay play_;
-    std::vector<Index> bound_of_;  // of each row: its place in condensed_.bounds, or -1
-    std::vector<Index> fresh_;     // in doubt and not in C
+    std::vector<Index> bound_of_;                  // of each row: its place in condensed_.bounds, or -1
+    std::vector<Index> fresh_;                     // in doubt and not in C
     std::vector<std::pair<double, Index>> depth_;  // their gaps
-    std::vector<Index> listed_;    // what is certified: the rows in doubt and those with a multiplier
-    std::vector<Index> pressed_;   // places in C with a multiplier
-    Vector free_;                  // A^-1 b, once C has a row
+    std::vector<Index> listed_;                    // what is certified: the rows in doubt and those with a multiplier
+    std::vector<Index> pressed_;                   // places in C with a multiplier
+    Vector free_;                                  // A^-1 b, once C has a row
     Vector lambda_, soft_c_;
     double gap_size_ = 0;
 };

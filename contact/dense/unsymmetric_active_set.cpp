@@ -21,7 +21,8 @@ bool UnsymmetricActiveSet::factor(const DenseMatrix& S) {
 }
 
 CondensedActiveSet::Report UnsymmetricActiveSet::solve(const DenseMatrix& S, const ConstVectorRef& g,
-                                                       const ConstVectorRef& allowance, VectorRef lambda, VectorRef w) {
+                                                       const ConstVectorRef& allowance, VectorRef lambda,
+                                                       VectorRef w) {
     const Index m = g.size();
     CondensedActiveSet::Report report;
     exchanges_.start();

@@ -28,8 +28,8 @@ public:
 
     /// side: -1 on lower, 1 on upper, 0 free. Bounds may be infinite; lower <= upper. u, which belongs to it, is within
     /// the bounds. false where no coarser graph could be made or solved: nothing is then said.
-    [[nodiscard]] bool find(const ConstVectorRef& b, const ConstVectorRef& lower, const ConstVectorRef& upper, Vector& u,
-                            std::vector<signed char>& side);
+    [[nodiscard]] bool find(const ConstVectorRef& b, const ConstVectorRef& lower, const ConstVectorRef& upper,
+                            Vector& u, std::vector<signed char>& side);
 
 private:
     struct Level;

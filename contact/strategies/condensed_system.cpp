@@ -153,8 +153,7 @@ SparseMatrix CondensedSystem::pattern() {
     std::vector<Triplet> entries;
     entries.reserve(at_index(by_row_.nonZeros() + 2 * rows_.rows()));
     const auto copy_row = [&](Index target, Index source) {
-        for (SparseMatrix::InnerIterator it(by_row_, source); it; ++it)
-            entries.emplace_back(target, it.index(), 1.0);
+        for (SparseMatrix::InnerIterator it(by_row_, source); it; ++it) entries.emplace_back(target, it.index(), 1.0);
     };
     for (Index r = 0; r < n_; ++r) copy_row(r, r);
     for (Index i = 0; i < rows_.rows(); ++i) {

@@ -74,11 +74,11 @@ public:
           row_unit_(unit_rows(B_)),
           rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
           symmetric_(A.is_symmetric()),
-          system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
+          A_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal()),
           active_(at(B.rows()), 0) {
         if (rows_.bounds()) {
             intervals_.emplace(rows_, A.rows());
-            nested_.emplace(SparseMatrix(system_.by_row().transpose()));
+            nested_.emplace(A_);
         }
     }
 
@@ -87,7 +87,7 @@ public:
         report.strategy = "KLU condensed";
         b_ = b.cwiseProduct(unit_);
         c_ = c.cwiseProduct(row_unit_);
-        if (pool_pays()) {
+        if (pays_) {
             if (solve_on_pool(point.lambda, report)) {
                 accept_.certify(report, b, c, u_, lambda_, acceptable, 0, point);
                 if (report.outcome == Outcome::converged) return report;
@@ -125,18 +125,19 @@ private:
     bool find_set(ContactReport& report) {
         exchanges_.start();
         noise_ = rounding;
+        if (!system_) system_.emplace(A_, rows_);
         bool nested = !nested_;
         const int limit = 1000 + 2 * static_cast<int>(std::min<Index>(c_.size(), 1000000));
         const bool cold = std::find(active_.begin(), active_.end(), char{1}) == active_.end();
         for (report.iterations = 1;; ++report.iterations) {
-            if (!system_.factor(active_)) {
+            if (!system_->factor(active_)) {
                 if (std::find(active_.begin(), active_.end(), char{1}) == active_.end())
                     throw NumericalError("KluActiveSet: A is singular (" + std::to_string(b_.size()) + "x" +
                                          std::to_string(b_.size()) + ")");
                 report.outcome = Outcome::inaccurate;  // dependent rows in contact
                 return false;
             }
-            system_.solve(b_, c_, active_, u_, lambda_, size_);
+            system_->solve(b_, c_, active_, u_, lambda_, size_);
             find_wrong();
             if (wrong_.empty()) return true;
             if (report.iterations >= limit) {
@@ -161,8 +162,9 @@ private:
     struct Behind {
         Behind(const SparseMatrix& A, bool symmetric, const Matrix& B, const ConstraintRows& rows)
             : factor(A),
-              touched(factor, symmetric ? TransposedSolve() : [this](auto X) { factor.solve_transposed(X); }, B, rows,
-                      pool_bytes) {}
+              touched(
+                  factor, symmetric ? TransposedSolve() : [this](auto X) { factor.solve_transposed(X); }, B, rows,
+                  pool_bytes) {}
         KluFactor factor;
         TouchedRows touched;
     };
@@ -170,46 +172,50 @@ private:
     /// What refactoring has cost since the pool took in rows, against what the rows in contact would cost it: whoever changes
     /// when the one has reached the other pays at most twice what the better of the two would have cost from the start.
     void note_costs(int sets) {
-        factor_cost_ = std::max(factor_cost_, system_.factor_cost());
-        const double solve_cost = system_.solve_cost() * (symmetric_ ? 1 : 2);
-        if (sets > 1 || behind_) spent_ += sets * factor_cost_;
+        if (!behind_) return;
+        spent_ += sets * system_->factor_cost();
         double missing = 0, held = 0;
         for (Index i = 0; i < c_.size(); ++i) {
             if (!active_[at(i)]) continue;
             ++held;
-            if (!behind_ || !behind_->touched.pool().holds(i)) ++missing;
+            if (!behind_->touched.pool().holds(i)) ++missing;
         }
-        // Dense operations on held rows run about ten times as fast as sparse ones.
-        const bool small = held * held * held <= 30 * factor_cost_ && held * held * sizeof(double) <= pool_bytes / 4;
-        pays_ = small && spent_ >= missing * solve_cost + (behind_ ? 0 : factor_cost_);
-        solve_cost_ = solve_cost;
+        // Dense operations on the rows held run about ten times as fast as sparse ones.
+        const bool small = held * held * held <= 30 * system_->factor_cost() &&
+                           held * held * sizeof(double) <= 0.25 * static_cast<double>(pool_bytes);
+        pays_ = small && spent_ >= missing * row_cost();
     }
-    bool pool_pays() const { return pays_; }
 
-    /// false if the pool's dense active set has no answer, or too many rows are new.
+    /// Of a row that joins the pool. A solve reads each number of the factor once: three times as slow an operation.
+    double row_cost() const { return (symmetric_ ? 3 : 6) * behind_->factor.solve_cost(); }
+
+    /// false if there is no pool, if its dense active set has no answer, or if too many rows are new.
     bool solve_on_pool(const ConstVectorRef& guess, ContactReport& report) {
+        pays_ = false;
         if (!behind_) {
-            const SparseMatrix A = system_.by_row().transpose();
-            behind_ = std::make_unique<Behind>(A, symmetric_, Matrix(SparseMatrix(row_unit_.asDiagonal() * B_)), rows_);
+            try {
+                behind_ = std::make_unique<Behind>(A_, symmetric_, Matrix(SparseMatrix(row_unit_.asDiagonal() * B_)),
+                                                   rows_);
+            } catch (const NumericalError&) {
+                return false;  // the rows in contact may make up for what A lacks
+            }
         }
         if (load_.size() != b_.size() || load_ != b_) {
             free_ = b_;
             behind_->factor.solve(free_);
             load_ = b_;
         }
-        const Index before = behind_->touched.pool().size();
-        const double price = std::max(spent_, affordable_sets * factor_cost_);
-        const auto most = static_cast<Index>(std::min(price / solve_cost_, 1e9)) + 1;
+        TouchedRows& touched = behind_->touched;
+        const Index before = touched.pool().size();
+        const double price = std::max(spent_, affordable_sets * behind_->factor.factor_cost());
+        const auto most = static_cast<Index>(std::min(price / row_cost(), 1e9)) + 1;
         report.strategy = "KLU pool";
-        const Outcome outcome = behind_->touched.solve(free_, c_, guess, report, most);
-        const Index fresh = behind_->touched.pool().size() - before;
-        if (fresh > 0) spent_ = std::max(0.0, spent_ - static_cast<double>(fresh) * solve_cost_);
-        if (outcome != Outcome::converged) {
-            pays_ = false;
-            return false;
-        }
-        u_ = behind_->touched.u().cwiseProduct(unit_);
-        lambda_ = behind_->touched.lambda().cwiseProduct(row_unit_);
+        const Outcome outcome = touched.solve(free_, c_, guess, report, most);
+        spent_ = std::max(0.0, spent_ - static_cast<double>(touched.pool().size() - before) * row_cost());
+        if (outcome != Outcome::converged) return false;
+        pays_ = true;
+        u_ = touched.u().cwiseProduct(unit_);
+        lambda_ = touched.lambda().cwiseProduct(row_unit_);
         return true;
     }
 
@@ -240,11 +246,12 @@ private:
     Vector row_unit_;
     ConstraintRows rows_;
     bool symmetric_;
-    CondensedSystem system_;
+    SparseMatrix A_;                         // in these units
+    std::optional<CondensedSystem> system_;  // once a set is refactored
     std::unique_ptr<Behind> behind_;
-    bool pays_ = false;
-    double spent_ = 0, factor_cost_ = 0, solve_cost_ = 0;  // operations
-    Vector load_, free_;                                   // A^-1 load_, in these units
+    bool pays_ = true;    // to try the pool
+    double spent_ = 0;    // on refactoring: operations that no row of the pool has used up
+    Vector load_, free_;  // A^-1 load_, in these units
     Exchanges exchanges_;
     std::optional<Intervals> intervals_;  // where every row has one entry
     std::optional<NestedStart> nested_;

@@ -52,8 +52,7 @@ void Pool::keep(const std::vector<Index>& rows) {
                             place_[static_cast<std::size_t>(rows[static_cast<std::size_t>(j)])]);
     for (const Index row : members_) place_[static_cast<std::size_t>(row)] = -1;
     members_ = rows;
-    for (Index i = 0; i < kept.rows(); ++i)
-        place_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])] = i;
+    for (Index i = 0; i < kept.rows(); ++i) place_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])] = i;
     S_ = std::move(kept);
 }
 
@@ -102,7 +101,11 @@ Outcome TouchedRows::solve(const Vector& free, const ConstVectorRef& c, const Co
             if (guess[i] > 0 && c[i] != -infinity && !pool_.holds(i)) violated_.push_back(i);
     // What the pool can do comes first: it costs no new columns.
     bool contact = !violated_.empty() || (!open && any_violated_in_pool(c));
-    if (!contact && !open) contact = find_violated(c, free_gap_, few);
+    if (!contact && !open) {
+        contact = find_violated(c, free_gap_, few);
+        // Of the rows that a solution without contact violates a quarter and more are held.
+        if (violated_count_ / 4 > most_fresh) return Outcome::iteration_limit;
+    }
     touching_ = contact;
     const auto allowed = [this](Index i, double) { return allowance_[i]; };
     for (std::size_t batch = 8 * few; contact; batch *= 2) {
@@ -116,7 +119,8 @@ Outcome TouchedRows::solve(const Vector& free, const ConstVectorRef& c, const Co
     }
     // A bound is met exactly: a gap of zero then is zero, not rounding.
     for (const Index row : pool_.members())
-        if (lambda_[row] > 0 && rows_.columns(row).size() == 1) u_[rows_.columns(row)[0]] = c[row] / rows_.weights(row)[0];
+        if (lambda_[row] > 0 && rows_.columns(row).size() == 1)
+            u_[rows_.columns(row)[0]] = c[row] / rows_.weights(row)[0];
     return Outcome::converged;
 }
 
@@ -150,6 +154,7 @@ bool TouchedRows::find_violated(const ConstVectorRef& c, const Vector& gap, std:
     violated_.clear();
     for (Index i = 0; i < c.size(); ++i)
         if (c[i] - gap[i] > allowance_[i] && !pool_.holds(i)) violated_.push_back(i);
+    violated_count_ = static_cast<Index>(violated_.size());
     if (violated_.size() <= most) return !violated_.empty();
     std::nth_element(violated_.begin(), violated_.begin() + static_cast<std::ptrdiff_t>(most), violated_.end(),
                      [&](Index i, Index j) { return c[i] - gap[i] > c[j] - gap[j]; });
@@ -218,8 +223,7 @@ void TouchedRows::reserve(Index k) {
     if (g_.size() >= k) return;
     const Index capacity = std::max<Index>(k + k / 2, 64);
     for (Vector* v : {&g_, &w_, &multiplier_, &pool_allowance_}) v->resize(capacity);
-    for (Vector* v : {&working_g_, &working_allowance_, &working_multiplier_, &working_w_})
-        v->resize(capacity / 2);
+    for (Vector* v : {&working_g_, &working_allowance_, &working_multiplier_, &working_w_}) v->resize(capacity / 2);
     S_.resize(capacity / 2, capacity / 2);
     working_.reserve(static_cast<std::size_t>(capacity));
     candidates_.reserve(static_cast<std::size_t>(capacity));
@@ -235,8 +239,7 @@ void TouchedRows::take(Index i) {
 bool TouchedRows::take_violated(Index k, std::size_t most) {
     candidates_.clear();
     for (Index i = 0; i < k; ++i)
-        if (!in_working_set_[static_cast<std::size_t>(i)] && w_[i] < -pool_allowance_[i])
-            candidates_.push_back(i);
+        if (!in_working_set_[static_cast<std::size_t>(i)] && w_[i] < -pool_allowance_[i]) candidates_.push_back(i);
     if (candidates_.size() > most) {
         const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(most);
         std::nth_element(candidates_.begin(), middle, candidates_.end(),
@@ -276,7 +279,7 @@ CondensedActiveSet::Report TouchedRows::solve_working_set(Index k) {
         for (Index i = 0; i < size; ++i) S_(i, j) = pool_.S()(working_[static_cast<std::size_t>(i)], row);
     }
     const auto report = solve_dense(S_, working_g_.head(size), working_allowance_.head(size),
-                                          working_multiplier_.head(size), working_w_.head(size));
+                                    working_multiplier_.head(size), working_w_.head(size));
     for (Index j = 0; j < size; ++j) multiplier_[working_[static_cast<std::size_t>(j)]] = working_multiplier_[j];
     return report;
 }

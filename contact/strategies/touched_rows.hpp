@@ -76,8 +76,8 @@ private:
     void reserve(Index k);
     void take(Index i);
     bool take_violated(Index k, std::size_t most);
-    CondensedActiveSet::Report solve_dense(const DenseMatrix& S, const ConstVectorRef& g, const ConstVectorRef& allowance,
-                                           VectorRef lambda, VectorRef w);
+    CondensedActiveSet::Report solve_dense(const DenseMatrix& S, const ConstVectorRef& g,
+                                           const ConstVectorRef& allowance, VectorRef lambda, VectorRef w);
     void forget_dense();
     CondensedActiveSet::Report solve_working_set(Index k);
     bool widen_working_set(Index k, std::size_t most);
@@ -96,6 +96,7 @@ private:
     CondensedActiveSet active_set_;
     UnsymmetricActiveSet unsymmetric_;
     std::vector<Index> violated_, working_, candidates_;
+    Index violated_count_ = 0;  // outside the pool, before the worst of them were taken
     std::vector<char> in_working_set_;
     bool factored_pool_ = false;  // what active_set_ has a factor of is a part of the pool
     bool touching_ = false;
