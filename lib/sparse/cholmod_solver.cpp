@@ -85,13 +85,10 @@ SupernodalFactor factor_block(const SparseMatrix& block, const std::string& name
                              .permutation = static_cast<const long*>(L->Perm)});
 }
 
-class CholmodFactor final : public Factor {
+class BlockFactor final : public Factor {
 public:
-    CholmodFactor(const SparseMatrix& A, Index blocks)
-        : blocks_(blocks),
-          n_(A.rows() / blocks),
-          factor_(factor_block(A.topLeftCorner(n_, n_), "the " + std::to_string(A.rows()) + "x" +
-                                                            std::to_string(A.cols()) + " sparse matrix")) {}
+    BlockFactor(SupernodalFactor factor, Index blocks)
+        : blocks_(blocks), n_(factor.size()), factor_(std::move(factor)) {}
 
     Index size() const override { return blocks_ * n_; }
 
@@ -157,7 +154,10 @@ private:
 
 std::unique_ptr<const Factor> factor_of(const SparseMatrix& A) {
     if (BandFactor::half_width(A) <= BandFactor::widest) return std::make_unique<NarrowFactor>(A);
-    return std::make_unique<CholmodFactor>(A, identical_blocks(A));
+    const Index blocks = identical_blocks(A), n = A.rows() / blocks;
+    return factor_of_blocks(factor_block(A.topLeftCorner(n, n), "the " + std::to_string(A.rows()) + "x" +
+                                                                    std::to_string(A.cols()) + " sparse matrix"),
+                            blocks);
 }
 
 bool repeats(const SparseMatrix& A, Index size, Index count) {
@@ -190,6 +190,10 @@ Index identical_blocks(const SparseMatrix& A) {
     const Index size = reach + 1;
     if (size >= n || n % size != 0 || !repeats(A, size, n / size)) return 1;
     return n / size;
+}
+
+std::unique_ptr<const Factor> factor_of_blocks(SupernodalFactor factor, Index blocks) {
+    return std::make_unique<BlockFactor>(std::move(factor), blocks);
 }
 
 std::unique_ptr<const Factor> CholmodSolver::factorize(const Matrix& A) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../algebra/linear_solver.hpp"
+#include "supernodal_factor.hpp"
 
 namespace tact {
 
@@ -13,6 +14,9 @@ class CholmodSolver final : public LinearSolver {
 public:
     std::unique_ptr<const Factor> factorize(const Matrix& A) const override;
 };
+
+/// A matrix that is `blocks` times the one that the factor is of, one after the other.
+std::unique_ptr<const Factor> factor_of_blocks(SupernodalFactor factor, Index blocks);
 
 /// Number of identical contiguous diagonal blocks of A (same pattern and values): 1 if there is no such structure.
 Index identical_blocks(const SparseMatrix& A);
