@@ -21,6 +21,8 @@ constexpr Index largest_pivoting = 6000;
 constexpr double nearly_singular = 1e9;
 /// Rows up to which a singular A is left to a dense saddle at once, not after an iteration has failed.
 constexpr Index few_rows_of_floating = 6000;
+/// Numbers in a dense B that few unknowns may have: five copies of them are 160 MB.
+constexpr Index largest_dense_rows = 4000000;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
 constexpr Index cheap_to_factor = 20000;
 
@@ -70,8 +72,11 @@ StrategyChoice first_choice(const Matrix& A, const Matrix& B, const AutomaticOpt
         return {Strategy::diagonal, "diagonal A, rows that do not overlap"};
     if (may(Strategy::floating) && looks_singular(A, B, options))
         return {Strategy::floating, "A is singular or nearly so"};
-    if ((!A.sparse() || A.rows() <= options.small) && B.rows() <= 4 * options.small && may(Strategy::dense))
+    const bool small = A.rows() <= options.small;
+    if ((!A.sparse() || small) && B.rows() <= 4 * options.small && may(Strategy::dense))
         return {Strategy::dense, "small or dense"};
+    if (small && B.rows() <= largest_dense_rows / A.rows() && may(Strategy::dense))
+        return {Strategy::dense, "few unknowns, of whose many rows few can be held"};
     const RowShape rows = shape_of(B);
     const MatrixFacts facts = matrix_facts(A);
     const bool sor = rows.bounds && may(Strategy::colour_sor);
@@ -83,7 +88,7 @@ StrategyChoice first_choice(const Matrix& A, const Matrix& B, const AutomaticOpt
     if (B.rows() > 0 && rows.bounds && facts.m_matrix && facts.positive_diagonal && !facts.narrow &&
         may(Strategy::multigrid_active_set))
         return {Strategy::multigrid_active_set, "ill-conditioned M-matrix, bounds, few solves with it so far"};
-    if (!rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
+    if (!small && !rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
         may(Strategy::interior_point))
         return {Strategy::interior_point, "many rows that overlap"};
     if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};

@@ -46,8 +46,16 @@ public:
         if (few_ && few_->solve(report, b, c, u_, point, sharp)) return report;
         report = {};
         report.strategy = "dense Goldfarb-Idnani";
-        solve_freely(b);
         const Index m = g_.size();
+        if (m > 0 && rows_.S.size() == 0) {
+            if (m > formed_at_all) {
+                report.outcome = Outcome::inaccurate;
+                return report;
+            }
+            few_.reset();  // what it knows of the rows in play was formed without S
+            form_condensed();
+        }
+        solve_freely(b);
         double gap_size = 0, reach = 0;
         bool doubtful = false;  // rows were left violated by what may be rounding
         if (m > 0) {
@@ -116,24 +124,34 @@ private:
             dense_B.row(i).cwiseAbs().maxCoeff(&column);
             rows_.bounds.push_back({i, column, dense_B(i, column)});
         }
-        rows_.scale = (dense_B * rows_.W).diagonal();
+        rows_.scale = dense_B.cwiseProduct(rows_.W.transpose()).rowwise().sum();
         for (double& s : rows_.scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
         rows_.B = rows_.scale.asDiagonal() * dense_B;
         rows_.W = rows_.W * rows_.scale.asDiagonal();
-        rows_.S = rows_.B * rows_.W;
-        rows_.S = (0.5 * (rows_.S + rows_.S.transpose())).eval();
+        const Vector own = rows_.B.cwiseProduct(rows_.W.transpose()).rowwise().sum();
         if (options_.compliance > 0) {
-            rows_.compliance = options_.compliance * rows_.S.diagonal().cwiseQuotient(rows_.scale.cwiseAbs2());
-            rows_.S.diagonal() *= 1 + options_.compliance;
+            rows_.compliance = options_.compliance * own.cwiseQuotient(rows_.scale.cwiseAbs2());
             rows_.bounds.clear();  // rows give way: none is met exactly
         }
+        const bool many = B_.rows() > formed_at_once;
+        if (!many) form_condensed();
         constexpr Index fewest = 8;  // rows, for leaving some out to pay
-        if (options_.screening && inverse_.size() > 0 && B_.rows() >= fewest) few_.emplace(A, dense_B, rows_);
+        if (many || (options_.screening && inverse_.size() > 0 && B_.rows() >= fewest))
+            few_.emplace(A, dense_B, rows_);
     }
 
     static constexpr double acceptable = 1e-9;
     /// Beyond this rows are judged one by one: the largest of them may hide what is wrong in the others.
     static constexpr double sharp = 1e-12;
+
+    /// Rows up to which S is formed when (A, B) is prepared, and up to which it is where a solve on few of them fails.
+    static constexpr Index formed_at_once = 1200, formed_at_all = 4000;
+
+    void form_condensed() {
+        rows_.S = rows_.B * rows_.W;
+        rows_.S = (0.5 * (rows_.S + rows_.S.transpose())).eval();
+        if (rows_.compliance.size() > 0) rows_.S.diagonal() += rows_.compliance.cwiseProduct(rows_.scale.cwiseAbs2());
+    }
 
     /// u = A^-1 b
     void solve_freely(const ConstVectorRef& b) {

@@ -15,7 +15,7 @@ struct DenseContactOptions {
     bool screening = true;
 };
 
-/// Prepares W = A^-1 B' and S = B W once; a solve is u = A^-1 b, a gap check, and, where rows are violated, the
+/// Prepares W = A^-1 B' and S = B W once (beyond 1200 rows only the entries of S that contact asks for); a solve is u = A^-1 b, a gap check, and, where rows are violated, the
 /// dual active set from the multipliers it is given. With compliance it solves  A u = b + B'lambda,
 /// B u - c + E lambda >= 0, and the residuals are those of these conditions. A: symmetric positive definite, dense or
 /// diagonal; B: any kind. InputError for a sparse A with more than 2000 unknowns or a compliance that is not >= 0;

@@ -32,7 +32,7 @@ FewRows::FewRows(const Matrix& A, const DenseMatrix& B, const CondensedRows& con
       rows_(condensed.B.transpose()),
       screen_(B),
       certificate_(A, Matrix(B)),
-      play_(condensed.S),
+      play_(condensed),
       bound_of_(static_cast<std::size_t>(B.rows()), -1),
       free_(B.cols()),
       lambda_(Vector::Zero(B.rows())),
@@ -111,14 +111,26 @@ void FewRows::move(const ConstVectorRef& c, Vector& u) {
     }
 }
 
-/// Lists the rows in doubt at u and lets them join C; whether one of them is violated.
-bool FewRows::take_in_doubt(const ConstVectorRef& c, const Vector& u) {
+/// Lists the rows in doubt at u and lets them join C, of very many only the worst; whether one of them is violated.
+bool FewRows::take_in_doubt(const ConstVectorRef& c, const Vector& u, std::size_t most) {
     bool violated = false;
     listed_.clear();
+    fresh_.clear();
     for (const Index row : screen_.in_doubt(u, c)) {
         listed_.push_back(row);
-        if (play_.holds(row)) continue;
-        if (play_.size() == 0) free_ = u;
+        if (!play_.holds(row)) fresh_.push_back(row);
+    }
+    if (fresh_.empty()) return false;
+    if (play_.size() == 0) free_ = u;
+    if (fresh_.size() > most) {
+        depth_.clear();
+        for (const Index row : fresh_)
+            depth_.emplace_back(rows_.col(row).dot(u) - c[row] * condensed_.scale[row], row);
+        std::nth_element(depth_.begin(), depth_.begin() + static_cast<std::ptrdiff_t>(most), depth_.end());
+        fresh_.clear();
+        for (std::size_t k = 0; k < most; ++k) fresh_.push_back(depth_[k].second);
+    }
+    for (const Index row : fresh_) {
         const Index place = play_.size();
         enter(row, c);
         const double gap = rows_.col(row).dot(u) - c[row] * condensed_.scale[row];
@@ -137,6 +149,8 @@ bool FewRows::solve(ContactReport& report, const ConstVectorRef& b, const ConstV
     } else if (play_.size() > 0) {
         play_.clear();
     }
+    // Without S a row in play costs its entries, and of very many that are violated at first few will be held.
+    std::size_t most = condensed_.S.size() > 0 ? bound_of_.size() : few;
     do {
         if (violated) {
             const GoldfarbIdnani::Report dual = play_.solve();
@@ -144,7 +158,8 @@ bool FewRows::solve(ContactReport& report, const ConstVectorRef& b, const ConstV
             if (dual.outcome != Outcome::converged || play_.forgave()) return false;
             move(c, u);
         }
-        violated = take_in_doubt(c, u);
+        violated = take_in_doubt(c, u, most);
+        most *= 2;
     } while (violated);
     for (Index k = 0; k < play_.size(); ++k) {
         if (!(play_.multiplier(k) > 0)) continue;

@@ -4,16 +4,17 @@
 #include <span>
 #include <vector>
 
+#include "condensed_rows.hpp"
 #include "goldfarb_idnani.hpp"
 
 namespace tact {
 
 /// A set C of rows that only grows until it is cleared, and Goldfarb-Idnani on S(C, C), warm from solve to solve.
-/// Allocates only in its constructor.
+/// Allocates only in its constructor where S is there; without it, when C is larger than ever.
 class RowsInPlay {
 public:
-    /// S, m x m, must outlive this object.
-    explicit RowsInPlay(const DenseMatrix& S);
+    /// `condensed` must outlive this object.
+    explicit RowsInPlay(const CondensedRows& condensed);
 
     std::span<const Index> rows() const { return rows_; }
     Index size() const { return static_cast<Index>(rows_.size()); }
@@ -31,7 +32,9 @@ public:
     bool forgave() const { return dual_.forgave(); }
 
 private:
-    const DenseMatrix& S_;
+    void make_room(Index rows);
+
+    const CondensedRows& condensed_;
     DenseMatrix block_;  // S(C, C) leads
     std::vector<Index> rows_, place_;
     Vector g_, allowance_, lambda_, w_;

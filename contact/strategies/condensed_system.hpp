@@ -33,6 +33,7 @@ public:
     const SparseMatrix& by_row() const { return by_row_; }
     /// Operations of one numeric factorisation and of one solve, as KLU counts them.
     double factor_cost() const { return klu_->factor_cost(); }
+    double solve_cost() const { return klu_->solve_cost(); }
 
 private:
     double weight_of(Index row, Index column) const;

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "../../lib/algebra/empty_rows.hpp"
 #include "../dense/acceptance.hpp"
+#include "../dense/exchanges.hpp"
 #include "../prepare/matrix_facts.hpp"
 #include "../prepare/nested_start.hpp"
 #include "condensed_system.hpp"
+#include "touched_rows.hpp"
 
 namespace tact {
 namespace {
@@ -28,54 +29,6 @@ Vector unit_rows(const SparseMatrix& B) {
         for (SparseMatrix::InnerIterator it(B, j); it; ++it) square[it.row()] += it.value() * it.value();
     return square.unaryExpr(&unit_of);
 }
-
-/// Which wrong rows change sides. All of them, as long as no set comes back: the primal-dual active set. Then all while
-/// they become fewer, and the first one alone after three sets in which they did not: finite wherever each set has one
-/// solution and it is told from rounding. J. J. Judice, F. M. Pires, Comput. Oper. Res. 21 (1994); K. G. Murty (1974).
-class Exchanges {
-public:
-    void start() {
-        visited_.clear();
-        careful_ = false;
-    }
-    /// Whether a set has come back since start().
-    bool careful() const { return careful_; }
-    /// Changes `active` by the wrong rows. false if it is then a set that was left before, for the first time or again.
-    bool apply(std::vector<char>& active, const std::vector<Index>& wrong) {
-        if (visited_.empty()) visited_.insert(fingerprint(active));
-        bool all = true;
-        if (careful_) {
-            if (wrong.size() < fewest_) {
-                fewest_ = wrong.size();
-                patience_ = patient;
-            } else if (patience_ > 0) {
-                --patience_;
-            }
-            all = patience_ > 0;
-        }
-        for (std::size_t k = 0; k < (all ? wrong.size() : 1); ++k) active[at(wrong[k])] ^= 1;
-        if (visited_.insert(fingerprint(active)).second) return true;
-        visited_.clear();
-        if (!careful_) {
-            careful_ = true;
-            fewest_ = wrong.size();
-            patience_ = patient;
-        }
-        return false;
-    }
-
-private:
-    static constexpr int patient = 3;
-    static std::uint64_t fingerprint(const std::vector<char>& active) {
-        std::uint64_t hash = 1469598103934665603ULL;
-        for (const char on : active) hash = (hash ^ static_cast<std::uint64_t>(on)) * 1099511628211ULL;
-        return hash;
-    }
-    std::unordered_set<std::uint64_t> visited_;
-    bool careful_ = false;
-    std::size_t fewest_ = 0;
-    int patience_ = 0;
-};
 
 /// Rows with one entry as an interval for each unknown.
 class Intervals {
@@ -122,7 +75,8 @@ public:
           B_(B.to_sparse() * unit_.asDiagonal()),
           row_unit_(unit_rows(B_)),
           rows_(Matrix(SparseMatrix(row_unit_.asDiagonal() * B_))),
-          system_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal(), rows_),
+          symmetric_(A.is_symmetric()),
+          A_(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal()),
           active_(at(B.rows()), 0) {
         if (rows_.bounds()) intervals_.emplace(rows_, A.rows());
         start_from_coarser_graphs();
@@ -130,12 +84,16 @@ public:
 
     /// In the units of the first A, while the new one's are within a factor of 16.
     bool update(const Matrix& A) override {
-        if (A.rows() != unit_.size() || A.cols() != unit_.size()) return false;
+        if (A.rows() != unit_.size() || A.cols() != unit_.size() || A.is_symmetric() != symmetric_) return false;
         check_no_negative_diagonal("KluActiveSet", A);
         const Vector change = A.main_diagonal().unaryExpr(&unit_of).cwiseQuotient(unit_);
         if (!(change.minCoeff() >= 1.0 / 16 && change.maxCoeff() <= 16)) return false;
-        if (!system_.take(unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal())) return false;
+        SparseMatrix scaled = unit_.asDiagonal() * A.to_sparse() * unit_.asDiagonal();
+        if (system_ && !system_->take(scaled)) return false;
+        A_ = std::move(scaled);
         accept_ = Acceptance(A, given_B_);
+        behind_.reset();
+        load_.resize(0);
         start_from_coarser_graphs();
         return true;
     }
@@ -145,8 +103,17 @@ public:
         report.strategy = "KLU condensed";
         b_ = b.cwiseProduct(unit_);
         c_ = c.cwiseProduct(row_unit_);
+        if (pays_) {
+            if (solve_on_pool(point.lambda, report)) {
+                accept_.certify(report, b, c, u_, lambda_, acceptable, 0, point);
+                if (report.outcome == Outcome::converged) return report;
+            }
+            report = {};
+            report.strategy = "KLU condensed";
+        }
         for (Index i = 0; i < c.size(); ++i) active_[at(i)] = point.lambda[i] > 0 && c[i] != -infinity;
         if (!find_set(report)) return report;
+        note_costs(report.iterations);
         // A bound is met exactly: a gap of zero then is zero, not rounding.
         for (Index i = 0; i < c.size(); ++i)
             if (active_[at(i)] && rows_.columns(i).size() == 1) u_[rows_.columns(i)[0]] = c_[i] / rows_.weights(i)[0];
@@ -158,7 +125,7 @@ public:
 
 private:
     void start_from_coarser_graphs() {
-        if (intervals_) nested_.emplace(SparseMatrix(system_.by_row().transpose()));
+        if (intervals_) nested_.emplace(A_);
     }
 
     static constexpr double acceptable = 1e-10;
@@ -170,22 +137,27 @@ private:
     /// Rows that may be wrong at first where nothing was guessed: an active set then needs no better start.
     static constexpr std::size_t few = 8;
 
+    static constexpr std::size_t pool_bytes = std::size_t{1} << 30;
+    /// Sets that a solve by refactoring takes at least when contact changes: rows for that price join the pool at any time.
+    static constexpr double affordable_sets = 4;
+
     /// The set whose solution violates no row and pulls at none; false, with the reason in the report, if none is found.
     bool find_set(ContactReport& report) {
         exchanges_.start();
         noise_ = rounding;
+        if (!system_) system_.emplace(A_, rows_);
         bool nested = !nested_;
         const int limit = 1000 + 2 * static_cast<int>(std::min<Index>(c_.size(), 1000000));
         const bool cold = std::find(active_.begin(), active_.end(), char{1}) == active_.end();
         for (report.iterations = 1;; ++report.iterations) {
-            if (!system_.factor(active_)) {
+            if (!system_->factor(active_)) {
                 if (std::find(active_.begin(), active_.end(), char{1}) == active_.end())
                     throw NumericalError("KluActiveSet: A is singular (" + std::to_string(b_.size()) + "x" +
                                          std::to_string(b_.size()) + ")");
                 report.outcome = Outcome::inaccurate;  // dependent rows in contact
                 return false;
             }
-            system_.solve(b_, c_, active_, u_, lambda_, size_);
+            system_->solve(b_, c_, active_, u_, lambda_, size_);
             find_wrong();
             if (wrong_.empty()) return true;
             if (report.iterations >= limit) {
@@ -204,6 +176,71 @@ private:
                 noise_ = std::min(16 * noise_, most_rounding);
             }
         }
+    }
+
+    /// One factor of A for all sets, and the rows in contact as columns of a pool.
+    struct Behind {
+        Behind(const SparseMatrix& A, bool symmetric, const Matrix& B, const ConstraintRows& rows)
+            : factor(A, symmetric),
+              touched(
+                  factor, symmetric ? TransposedSolve() : [this](auto X) { factor.solve_transposed(X); }, B, rows,
+                  pool_bytes) {}
+        KluFactor factor;
+        TouchedRows touched;
+    };
+
+    /// What refactoring has cost since the pool took in rows, against what the rows in contact would cost it: whoever changes
+    /// when the one has reached the other pays at most twice what the better of the two would have cost from the start.
+    void note_costs(int sets) {
+        if (!behind_) return;
+        spent_ += sets * system_->factor_cost();
+        double missing = 0, held = 0;
+        for (Index i = 0; i < c_.size(); ++i) {
+            if (!active_[at(i)]) continue;
+            ++held;
+            if (!behind_->touched.pool().holds(i)) ++missing;
+        }
+        // Dense operations on the rows held run about ten times as fast as sparse ones.
+        const bool small = held * held * held <= 30 * system_->factor_cost() &&
+                           held * held * sizeof(double) <= 0.25 * static_cast<double>(pool_bytes);
+        pays_ = small && spent_ >= missing * row_cost();
+    }
+
+    /// Of a row that joins the pool. A solve reads each number of the factor once: three times as slow an operation, two
+    /// solves where A is not symmetric. Where the factor is one of Cholesky's, a quarter of it is read, many rows at once.
+    double row_cost() const {
+        const double share = behind_->factor.symmetric() ? 0.25 : symmetric_ ? 3 : 6;
+        return share * behind_->factor.solve_cost();
+    }
+
+    /// false if there is no pool, if its dense active set has no answer, or if too many rows are new.
+    bool solve_on_pool(const ConstVectorRef& guess, ContactReport& report) {
+        pays_ = false;
+        if (!behind_) {
+            try {
+                behind_ = std::make_unique<Behind>(A_, symmetric_, Matrix(SparseMatrix(row_unit_.asDiagonal() * B_)),
+                                                   rows_);
+            } catch (const NumericalError&) {
+                return false;  // the rows in contact may make up for what A lacks
+            }
+        }
+        if (load_.size() != b_.size() || load_ != b_) {
+            free_ = b_;
+            behind_->factor.solve(free_);
+            load_ = b_;
+        }
+        TouchedRows& touched = behind_->touched;
+        const Index before = touched.pool().size();
+        const double price = std::max(spent_, affordable_sets * behind_->factor.factor_cost());
+        const auto most = static_cast<Index>(std::min(price / row_cost(), 1e9)) + 1;
+        report.strategy = "KLU pool";
+        const Outcome outcome = touched.solve(free_, c_, guess, report, most);
+        spent_ = std::max(0.0, spent_ - static_cast<double>(touched.pool().size() - before) * row_cost());
+        if (outcome != Outcome::converged) return false;
+        pays_ = true;
+        u_ = touched.u().cwiseProduct(unit_);
+        lambda_ = touched.lambda().cwiseProduct(row_unit_);
+        return true;
     }
 
     bool start_nested() {
@@ -233,7 +270,13 @@ private:
     SparseMatrix B_;  // in these units
     Vector row_unit_;
     ConstraintRows rows_;
-    CondensedSystem system_;
+    bool symmetric_;
+    SparseMatrix A_;                         // in these units
+    std::optional<CondensedSystem> system_;  // once a set is refactored
+    std::unique_ptr<Behind> behind_;
+    bool pays_ = true;    // to try the pool
+    double spent_ = 0;    // on refactoring: operations that no row of the pool has used up
+    Vector load_, free_;  // A^-1 load_, in these units
     Exchanges exchanges_;
     std::optional<Intervals> intervals_;  // where every row has one entry
     std::optional<NestedStart> nested_;

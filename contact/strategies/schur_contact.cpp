@@ -1,130 +1,43 @@
 #include "schur_contact.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <utility>
 
 #include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/algebra/linear_solver.hpp"
-#include "../../lib/algebra/row_runs.hpp"
 #include "../../lib/sparse/cholmod_solver.hpp"
 #include "../dense/acceptance.hpp"
-#include "../dense/active_set.hpp"
-#include "../prepare/rows.hpp"
+#include "touched_rows.hpp"
 
 namespace tact {
 namespace {
-
-/// The touched rows and S = B A^-1 B' among them.
-class Pool {
-public:
-    Pool(const Factor& factor, const ConstraintRows& rows, std::size_t bytes)
-        : factor_(&factor),
-          rows_(rows),
-          largest_(static_cast<Index>(std::sqrt(static_cast<double>(bytes) / sizeof(double)))) {
-        place_.assign(static_cast<std::size_t>(rows.rows()), -1);
-    }
-    Index size() const { return static_cast<Index>(members_.size()); }
-    /// Rows that the bytes allowed hold.
-    Index largest() const { return largest_; }
-    const std::vector<Index>& members() const { return members_; }
-    bool holds(Index row) const { return place_[static_cast<std::size_t>(row)] >= 0; }
-    const DenseMatrix& S() const { return S_; }
-
-    void add(const std::vector<Index>& fresh) {
-        if (fresh.empty()) return;
-        const Index old = size();
-        for (const Index row : fresh) {
-            place_[static_cast<std::size_t>(row)] = size();
-            members_.push_back(row);
-        }
-        reserve();
-        form(old);
-    }
-
-    /// The members stay, their compliance is that of another factor.
-    void change(const Factor& factor) {
-        factor_ = &factor;
-        if (size() > 0) form(0);
-    }
-
-    /// Forgets all rows but those given; their mutual compliance is kept.
-    void keep(const std::vector<Index>& rows) {
-        DenseMatrix kept(static_cast<Index>(rows.size()), static_cast<Index>(rows.size()));
-        for (Index j = 0; j < kept.cols(); ++j)
-            for (Index i = 0; i < kept.rows(); ++i)
-                kept(i, j) = S_(place_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])],
-                                place_[static_cast<std::size_t>(rows[static_cast<std::size_t>(j)])]);
-        for (const Index row : members_) place_[static_cast<std::size_t>(row)] = -1;
-        members_ = rows;
-        for (Index i = 0; i < kept.rows(); ++i)
-            place_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])] = i;
-        S_ = std::move(kept);
-    }
-
-private:
-    void form(Index from) {
-        factor_->compliance(columns(), from, S_);
-        for (Index j = from; j < size(); ++j) S_.row(j).head(j) = S_.col(j).head(j).transpose();
-    }
-    /// The members' rows of B as columns.
-    SparseMatrix columns() const {
-        SparseMatrix R(factor_->size(), size());
-        for (Index j = 0; j < size(); ++j) {
-            const Index row = members_[static_cast<std::size_t>(j)];
-            R.startVec(j);
-            for (std::size_t k = 0; k < rows_.columns(row).size(); ++k)
-                R.insertBack(rows_.columns(row)[k], j) = rows_.weights(row)[k];
-        }
-        R.finalize();
-        return R;
-    }
-    void reserve() {
-        if (S_.rows() >= size()) return;
-        const Index capacity = std::max(size(), std::min(largest_, std::max<Index>(64, size() + size() / 2)));
-        S_.conservativeResize(capacity, capacity);
-    }
-    const Factor* factor_;
-    const ConstraintRows& rows_;
-    Index largest_;
-    std::vector<Index> members_, place_;
-    DenseMatrix S_;
-};
 
 class PreparedSchur final : public PreparedContact {
 public:
     PreparedSchur(const Matrix& A, const Matrix& B, std::shared_ptr<const LinearSolver> linear, SchurOptions options)
         : linear_(std::move(linear)),
-          least_stiffness_(options.least_stiffness),
+          options_(options),
           factor_(linear_->factorize(A)),
           B_(B),
           accept_(A, B),
           rows_(B),
-          runs_(B.to_sparse().transpose()),
-          pool_(*factor_, rows_, options.pool_bytes),
-          free_(A.rows()),
-          u_(A.rows()),
-          gap_(B.rows()),
-          free_gap_(B.rows()),
-          allowance_(B.rows()),
-          lambda_(Vector::Zero(B.rows())) {
+          free_(A.rows()) {
         check_stiffness(A, *factor_);
+        touched_.emplace(*factor_, nullptr, B_, rows_, options_.pool_bytes);
     }
 
-    /// Of the pool only what was in contact last is formed anew.
+    /// The pool begins anew with the rows that the next guess presses on.
     bool update(const Matrix& A) override {
-        if (A.rows() != u_.size() || A.cols() != u_.size() || !A.is_symmetric()) return false;
+        if (A.rows() != free_.size() || A.cols() != free_.size() || !A.is_symmetric()) return false;
         auto factor = factor_->refactorized(A);
         if (!factor) factor = linear_->factorize(A);
         check_stiffness(A, *factor);
         accept_ = Acceptance(A, B_);
         load_.resize(0);
-        forget(lambda_);
-        factored_pool_ = false;
-        pool_.change(*factor);
         factor_ = std::move(factor);
+        touched_.emplace(*factor_, nullptr, B_, rows_, options_.pool_bytes);
         return true;
     }
 
@@ -137,44 +50,18 @@ public:
             load_ = b;
             reach_ = accept_.reach(free_);
         }
-        const bool open = find_gaps(free_, c, free_gap_, [&](Index i, double size) {
-            return allowance_[i] = gap_tolerance * (std::abs(c[i]) + size);
-        });
-        lambda_.setZero();
-        violated_.clear();
-        if ((point.lambda.array() > 0).any())
-            for (Index i = 0; i < c.size(); ++i)
-                if (point.lambda[i] > 0 && c[i] != -infinity && !pool_.holds(i)) violated_.push_back(i);
-        // What the pool can do comes first: it costs no new columns.
-        bool contact = !violated_.empty() || (!open && any_violated_in_pool(c));
-        if (!contact && !open) contact = find_violated(c, free_gap_, few);
-        const Vector& u = contact ? u_ : free_;
-        const auto allowed = [this](Index i, double) { return allowance_[i]; };
-        for (std::size_t batch = 8 * few; contact; batch *= 2) {
-            if (pool_.size() + static_cast<Index>(violated_.size()) > pool_.largest()) forget(point.lambda);
-            pool_.add(violated_);
-            report.outcome = solve_pool(c, point.lambda, report);
-            if (report.outcome != Outcome::converged) return report;
-            contact = !find_gaps(u_, c, gap_, allowed) && find_violated(c, gap_, batch);
-        }
-        // A bound is met exactly: a gap of zero then is zero, not rounding.
-        for (const Index row : pool_.members())
-            if (lambda_[row] > 0 && rows_.columns(row).size() == 1)
-                u_[rows_.columns(row)[0]] = c[row] / rows_.weights(row)[0];
-        accept_.certify(report, b, c, u, lambda_, acceptable, reach_, point);
+        report.outcome = touched_->solve(free_, c, point.lambda, report, options_.pool_rows - touched_->pool().size());
+        if (report.outcome != Outcome::converged) return report;
+        accept_.certify(report, b, c, touched_->u(), touched_->lambda(), acceptable, reach_, point);
         return report;
     }
 
 private:
     static constexpr double acceptable = 1e-10;
-    static constexpr Index small_pool = 100;
-    static constexpr std::size_t few = 8;  ///< rows that are taken at once when nothing is known yet
-    /// Of the row's own |c_i| + |B_i||u|: two digits above the rounding of a solve.
-    static constexpr double gap_tolerance = 2e-14;
 
     /// Two steps of inverse iteration from numbers that are the same everywhere.
     void check_stiffness(const Matrix& A, const Factor& factor) const {
-        if (least_stiffness_ == 0) return;
+        if (options_.least_stiffness == 0) return;
         const Vector diagonal = A.main_diagonal();
         std::mt19937_64 random(1);
         Vector x(A.rows());
@@ -185,194 +72,21 @@ private:
             x = force;
             factor.solve(x);
             const double stiffness = x.dot(force) / diagonal.dot(x.cwiseAbs2());
-            if (stiffness < least_stiffness_)
+            if (stiffness < options_.least_stiffness)
                 throw NumericalError("SchurContact: A is " + A.shape() + " and nearly singular");
             x = diagonal.cwiseProduct(x);
         }
     }
 
-    /// gap = B u; whether no row is violated by more than it is allowed, given the row and |B_i||u|.
-    template <class Allowed>
-    bool find_gaps(const Vector& u, const ConstVectorRef& c, Vector& gap, Allowed allowed) const {
-        alignas(64) double sum[RowRuns::block_rows], size[RowRuns::block_rows];
-        bool open = true;
-        for (Index first = 0; first < c.size(); first += RowRuns::block_rows) {
-            const Index count = std::min(RowRuns::block_rows, c.size() - first);
-            std::fill_n(sum, count, 0.0);
-            std::fill_n(size, count, 0.0);
-            runs_.add(first / RowRuns::block_rows, 1, u.data(), sum, size);
-            const double* bound = c.data() + first;
-            std::copy_n(sum, count, gap.data() + first);
-            int violated = 0;
-            for (Index i = 0; i < count; ++i) violated |= bound[i] - sum[i] > allowed(first + i, size[i]);
-            open &= violated == 0;
-        }
-        return open;
-    }
-
-    bool any_violated_in_pool(const ConstVectorRef& c) const {
-        return std::any_of(pool_.members().begin(), pool_.members().end(),
-                           [&](Index i) { return c[i] - free_gap_[i] > allowance_[i]; });
-    }
-
-    /// Rows outside the pool that are violated, the `most` worst of them: a multiplier on these lifts their neighbours.
-    /// Whether there are any.
-    bool find_violated(const ConstVectorRef& c, const Vector& gap, std::size_t most) {
-        violated_.clear();
-        for (Index i = 0; i < c.size(); ++i)
-            if (c[i] - gap[i] > allowance_[i] && !pool_.holds(i)) violated_.push_back(i);
-        if (violated_.size() <= most) return !violated_.empty();
-        std::nth_element(violated_.begin(), violated_.begin() + static_cast<std::ptrdiff_t>(most), violated_.end(),
-                         [&](Index i, Index j) { return c[i] - gap[i] > c[j] - gap[j]; });
-        violated_.resize(most);
-        std::sort(violated_.begin(), violated_.end());
-        return true;
-    }
-
-    /// The pool's contact problem, then u_ = free_ + A^-1 B' lambda_.
-    Outcome solve_pool(const ConstVectorRef& c, const ConstVectorRef& guess, ContactReport& report) {
-        const Index k = pool_.size();
-        reserve(k);
-        const bool first = (lambda_.array() == 0).all();
-        for (Index i = 0; i < k; ++i) {
-            const Index row = pool_.members()[static_cast<std::size_t>(i)];
-            g_[i] = c[row] - free_gap_[row];
-            pool_allowance_[i] = allowance_[row];
-            multiplier_[i] = first ? guess[row] : lambda_[row];
-        }
-        start_working_set(k);
-        for (std::size_t batch = few;; batch *= 2) {
-            const auto dense = solve_working_set(k);
-            report.iterations += dense.iterations;
-            if (dense.repeated) {
-                report.set_repeated = true;
-                report.fallback = "Goldfarb-Idnani";
-            }
-            if (dense.outcome != Outcome::converged) return dense.outcome;
-            if (!widen_working_set(k, batch)) break;
-        }
-        lambda_.setZero();
-        force_.setZero(u_.size());
-        for (Index i = 0; i < k; ++i) {
-            const Index row = pool_.members()[static_cast<std::size_t>(i)];
-            lambda_[row] = multiplier_[i];
-            if (multiplier_[i] > 0) rows_.scatter(row, multiplier_[i], force_.data());
-        }
-        factor_->solve(force_);
-        u_ = free_ + force_;
-        return Outcome::converged;
-    }
-
-    /// The rows of the pool that the guess presses on. A pool that has seen many problems holds far more rows than one
-    /// of them needs, and from a far guess the active set would take all that are violated at first.
-    void start_working_set(Index k) {
-        working_.clear();
-        in_working_set_.assign(static_cast<std::size_t>(k), 0);
-        for (Index i = 0; i < k; ++i)
-            if (multiplier_[i] > 0) take(i);
-        w_.head(k) = -g_.head(k);
-        if (working_.empty())
-            (void)take_violated(k, few);
-        else
-            take_all_if_most(k);
-    }
-
-    /// Half the pool or more, or a small pool, is not worth its copy.
-    void take_all_if_most(Index k) {
-        if (k > small_pool && 2 * static_cast<Index>(working_.size()) < k) return;
-        for (Index i = 0; i < k; ++i)
-            if (!in_working_set_[static_cast<std::size_t>(i)]) take(i);
-    }
-
-    /// For a pool of k rows.
-    void reserve(Index k) {
-        if (g_.size() >= k) return;
-        const Index capacity = std::max<Index>(k + k / 2, 64);
-        for (Vector* v : {&g_, &w_, &multiplier_, &pool_allowance_}) v->resize(capacity);
-        for (Vector* v : {&working_g_, &working_allowance_, &working_multiplier_, &working_w_})
-            v->resize(capacity / 2);
-        S_.resize(capacity / 2, capacity / 2);
-        working_.reserve(static_cast<std::size_t>(capacity));
-        candidates_.reserve(static_cast<std::size_t>(capacity));
-        in_working_set_.reserve(static_cast<std::size_t>(capacity));
-    }
-
-    void take(Index i) {
-        working_.push_back(i);
-        in_working_set_[static_cast<std::size_t>(i)] = 1;
-    }
-
-    /// The `most` worst of the rows outside that w_ violates; whether there are any.
-    bool take_violated(Index k, std::size_t most) {
-        candidates_.clear();
-        for (Index i = 0; i < k; ++i)
-            if (!in_working_set_[static_cast<std::size_t>(i)] && w_[i] < -pool_allowance_[i])
-                candidates_.push_back(i);
-        if (candidates_.size() > most) {
-            const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(most);
-            std::nth_element(candidates_.begin(), middle, candidates_.end(),
-                             [&](Index i, Index j) { return w_[i] < w_[j]; });
-            candidates_.erase(middle, candidates_.end());
-        }
-        for (const Index i : candidates_) take(i);
-        take_all_if_most(k);
-        return !candidates_.empty();
-    }
-
-    CondensedActiveSet::Report solve_working_set(Index k) {
-        const auto size = static_cast<Index>(working_.size());
-        if (size == k) {
-            // In the pool's own order, without a copy: a pool that has grown keeps the factor.
-            if (!std::exchange(factored_pool_, true)) active_set_.forget();
-            return active_set_.solve(pool_.S(), g_.head(k), pool_allowance_.head(k), multiplier_.head(k), w_.head(k));
-        }
-        factored_pool_ = false;
-        active_set_.forget();
-        for (Index j = 0; j < size; ++j) {
-            const Index row = working_[static_cast<std::size_t>(j)];
-            working_g_[j] = g_[row];
-            working_allowance_[j] = pool_allowance_[row];
-            working_multiplier_[j] = multiplier_[row];
-            for (Index i = 0; i < size; ++i) S_(i, j) = pool_.S()(working_[static_cast<std::size_t>(i)], row);
-        }
-        const auto report = active_set_.solve(S_, working_g_.head(size), working_allowance_.head(size),
-                                              working_multiplier_.head(size), working_w_.head(size));
-        for (Index j = 0; j < size; ++j) multiplier_[working_[static_cast<std::size_t>(j)]] = working_multiplier_[j];
-        return report;
-    }
-
-    bool widen_working_set(Index k, std::size_t most) {
-        if (static_cast<Index>(working_.size()) == k) return false;
-        w_.head(k) = -g_.head(k);
-        for (const Index j : working_)
-            if (multiplier_[j] > 0) w_.head(k) += multiplier_[j] * pool_.S().col(j).head(k);
-        return take_violated(k, most);
-    }
-
-    void forget(const ConstVectorRef& guess) {
-        std::vector<Index> kept;
-        for (const Index row : pool_.members())
-            if (guess[row] > 0 || lambda_[row] > 0) kept.push_back(row);
-        pool_.keep(kept);
-        active_set_.forget();
-    }
-
     std::shared_ptr<const LinearSolver> linear_;
-    double least_stiffness_;  // 0: any
+    SchurOptions options_;
     std::unique_ptr<const Factor> factor_;
     Matrix B_;
     Acceptance accept_;
     ConstraintRows rows_;
-    RowRuns runs_;
-    Pool pool_;
-    CondensedActiveSet active_set_;
-    std::vector<Index> violated_, working_, candidates_;
-    std::vector<char> in_working_set_;
-    bool factored_pool_ = false;  // what active_set_ has a factor of is a part of the pool
-    DenseMatrix S_;               // of the working set, as what follows
-    Vector working_g_, working_allowance_, working_multiplier_, working_w_;
-    double reach_ = 0;        // of free_, in units of energy
-    Vector load_, free_, u_, gap_, free_gap_, allowance_, lambda_, pool_allowance_, g_, w_, multiplier_, force_;
+    std::optional<TouchedRows> touched_;
+    double reach_ = 0;  // of free_, in units of energy
+    Vector load_, free_;
 };
 
 }  // namespace

@@ -185,30 +185,11 @@ std::string name_of(const SparseMatrix& A) {
     return "the " + std::to_string(A.rows()) + "x" + std::to_string(A.cols()) + " sparse matrix";
 }
 
-class CholmodFactor final : public Factor {
+/// One Cholesky factor for each of `blocks` equal blocks on the diagonal.
+class BlockFactor : public Factor {
 public:
-    CholmodFactor(const SparseMatrix& A, Index blocks, const std::vector<Index>& last)
-        : blocks_(blocks),
-          n_(A.rows() / blocks),
-          last_(blocks == 1 ? last : std::vector<Index>{}),
-          factor_(factor_block(A.topLeftCorner(n_, n_), last_, name_of(A))) {}
-    CholmodFactor(const SparseMatrix& A, const SparseMatrix& block, const std::vector<Index>& last,
-                  std::shared_ptr<Analysis> analysis)
-        : blocks_(A.rows() / block.rows()),
-          n_(block.rows()),
-          last_(last),
-          factor_(analysis->factor(block, name_of(A))),
-          analysis_(std::move(analysis)) {}
-
-    /// The first time the analysis is made, which then serves all that follow.
-    std::unique_ptr<const Factor> refactorized(const Matrix& A) const override {
-        const SparseMatrix* S = A.sparse();
-        if (!S || !A.is_symmetric() || S->rows() == 0) return nullptr;
-        const Index n = S->rows() / (last_.empty() ? identical_blocks(*S) : 1);
-        const SparseMatrix block = S->topLeftCorner(n, n);
-        if (!analysis_ || !analysis_->fits(block)) analysis_ = std::make_shared<Analysis>(block, last_);
-        return std::make_unique<CholmodFactor>(*S, block, last_, analysis_);
-    }
+    BlockFactor(SupernodalFactor factor, Index blocks)
+        : blocks_(blocks), n_(factor.size()), factor_(std::move(factor)) {}
 
     Index size() const override { return blocks_ * n_; }
 
@@ -253,12 +234,39 @@ private:
     };
     Index blocks_;
     Index n_;
-    std::vector<Index> last_;  // unknowns that come last in the order
     SupernodalFactor factor_;
-    mutable std::shared_ptr<Analysis> analysis_;
     mutable std::vector<double*> columns_;
     mutable std::vector<Repeated> repeated_;
     mutable std::optional<Compliance> compliance_;
+};
+
+/// With CHOLMOD's analysis kept, for other numbers on the same pattern.
+class CholmodFactor final : public BlockFactor {
+public:
+    /// `last`: unknowns that come last in the order; none where there are several blocks.
+    CholmodFactor(const SparseMatrix& A, Index blocks, std::vector<Index> last)
+        : BlockFactor(factor_block(first_block(A, blocks), last, name_of(A)), blocks), last_(std::move(last)) {}
+    CholmodFactor(const SparseMatrix& A, Index blocks, std::vector<Index> last, std::shared_ptr<Analysis> analysis)
+        : BlockFactor(analysis->factor(first_block(A, blocks), name_of(A)), blocks),
+          last_(std::move(last)),
+          analysis_(std::move(analysis)) {}
+
+    /// The first time the analysis is made, which then serves all that follow.
+    std::unique_ptr<const Factor> refactorized(const Matrix& A) const override {
+        const SparseMatrix* S = A.sparse();
+        if (!S || !A.is_symmetric() || S->rows() == 0) return nullptr;
+        const Index blocks = last_.empty() ? identical_blocks(*S) : 1;
+        const SparseMatrix block = first_block(*S, blocks);
+        if (!analysis_ || !analysis_->fits(block)) analysis_ = std::make_shared<Analysis>(block, last_);
+        return std::make_unique<CholmodFactor>(*S, blocks, last_, analysis_);
+    }
+
+private:
+    static SparseMatrix first_block(const SparseMatrix& A, Index blocks) {
+        return A.topLeftCorner(A.rows() / blocks, A.cols() / blocks);
+    }
+    std::vector<Index> last_;
+    mutable std::shared_ptr<Analysis> analysis_;
 };
 
 class NarrowFactor final : public Factor {
@@ -275,7 +283,8 @@ private:
 
 std::unique_ptr<const Factor> factor_of(const SparseMatrix& A, const std::vector<Index>& last) {
     if (BandFactor::half_width(A) <= BandFactor::widest) return std::make_unique<NarrowFactor>(A);
-    return std::make_unique<CholmodFactor>(A, identical_blocks(A), last);
+    const Index blocks = identical_blocks(A);
+    return std::make_unique<CholmodFactor>(A, blocks, blocks == 1 ? last : std::vector<Index>{});
 }
 
 bool repeats(const SparseMatrix& A, Index size, Index count) {
@@ -308,6 +317,10 @@ Index identical_blocks(const SparseMatrix& A) {
     const Index size = reach + 1;
     if (size >= n || n % size != 0 || !repeats(A, size, n / size)) return 1;
     return n / size;
+}
+
+std::unique_ptr<const Factor> factor_of_blocks(SupernodalFactor factor, Index blocks) {
+    return std::make_unique<BlockFactor>(std::move(factor), blocks);
 }
 
 std::unique_ptr<const Factor> CholmodSolver::factorize(const Matrix& A) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "../algebra/linear_solver.hpp"
+#include "supernodal_factor.hpp"
 
 namespace tact {
 
@@ -25,6 +26,9 @@ public:
 private:
     std::vector<Index> last_;
 };
+
+/// A matrix that is `blocks` times the one that the factor is of, one after the other.
+std::unique_ptr<const Factor> factor_of_blocks(SupernodalFactor factor, Index blocks);
 
 /// Number of identical contiguous diagonal blocks of A (same pattern and values): 1 if there is no such structure.
 Index identical_blocks(const SparseMatrix& A);
