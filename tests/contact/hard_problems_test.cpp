@@ -9,7 +9,6 @@
 #include "../../contact/dense/orthogonal_contact.hpp"
 #include "../../contact/strategies/klu_active_set.hpp"
 #include "../../contact/strategies/principal_pivoting.hpp"
-#include "../../contact/strategies/proximal_contact.hpp"
 #include "../laws/judge.hpp"
 #include "../laws/quadratic_programs.hpp"
 #include "../laws/strategies.hpp"
