@@ -69,8 +69,7 @@ private:
     std::vector<Index> face(int level) const {
         std::vector<Index> nodes;
         for (int y = 0; y < (dimension_ == 3 ? along(1) : 1); ++y)
-            for (int x = 0; x < along(0); ++x)
-                nodes.push_back(dimension_ == 3 ? node(x, y, level) : node(x, level));
+            for (int x = 0; x < along(0); ++x) nodes.push_back(dimension_ == 3 ? node(x, y, level) : node(x, level));
         return nodes;
     }
 
@@ -104,7 +103,8 @@ private:
                     for (int i = 0; i < d; ++i) {
                         Me(d * a + i, d * b + i) += weight * shape[a] * shape[b];
                         for (int j = 0; j < d; ++j) {
-                            double k = lambda * gradient(a, i) * gradient(b, j) + mu * gradient(a, j) * gradient(b, i);
+                            double k =
+                                lambda * gradient(a, i) * gradient(b, j) + mu * gradient(a, j) * gradient(b, i);
                             if (i == j) k += mu * gradient.row(a).dot(gradient.row(b));
                             Ke(d * a + i, d * b + j) += weight * k;
                         }

@@ -22,6 +22,7 @@ constexpr double forgivable = 1e4;          // allowances that a dependent row m
 SaddleActiveSet::Report SaddleActiveSet::solve(const Problem& p, Vector& lambda, Vector& tau, Vector& w) {
     Report report;
     forgiven_.clear();
+    postponed_.clear();
     report.outcome = primal_dual(p, lambda, tau, w, report);
     if (report.outcome != Outcome::converged) {
         report.repeated = true;
@@ -129,7 +130,7 @@ void SaddleActiveSet::take_modes(const Problem& p) {
     const Index k = H_.rows();
     const Eigen::LLT<DenseMatrix> factor(H_);
     holds_ = factor.info() == Eigen::Success &&
-             (factor.matrixLLT().diagonal().array().square() > 1e-13 * H_.diagonal().array()).all();
+             (factor.matrixLLT().diagonal().array().square() > 1e-15 * H_.diagonal().array()).all();
     if (holds_) {
         inverse_ = factor.solve(DenseMatrix::Identity(k, k));
         return;
@@ -231,10 +232,13 @@ Outcome SaddleActiveSet::dual(const Problem& p, Vector& lambda, Vector& tau, Vec
     while (true) {
         const bool by_number = standing > 10;
         const Index q = most_violated(p, w, by_number);
+        if (q < 0 && !postponed_.empty()) return Outcome::inaccurate;
         if (q < 0) break;
         double moved = 0;
+        const std::size_t waiting = postponed_.size();
         const Outcome end = enter(p, q, by_number, tau, w, report, moved);
         if (end != Outcome::converged) return end;
+        if (postponed_.size() == waiting) postponed_.clear();
         standing = moved > 0 ? 0 : standing + 1;
         solve_equations(p, tau);
         for (double& force : multiplier_) force = std::max(force, 0.0);
@@ -255,6 +259,7 @@ Index SaddleActiveSet::most_violated(const Problem& p, const Vector& w, bool by_
         if (w[i] >= -forgivable * p.allowance[i] &&
             std::find(forgiven_.begin(), forgiven_.end(), i) != forgiven_.end())
             continue;
+        if (std::find(postponed_.begin(), postponed_.end(), i) != postponed_.end()) continue;
         worst = i;
         if (by_number) break;
         least = w[i];
@@ -269,7 +274,7 @@ bool SaddleActiveSet::sets_a_mode_free(Index place) const {
     factor_.solve_lower(x);
     const Vector y = Y_.transpose() * x;
     const double all = x.squaredNorm();
-    return !(all - y.dot(modes_solved(y)) > 1e-10 * all);
+    return !(all - y.dot(modes_solved(y)) > 1e-12 * all);
 }
 
 /// The row whose multiplier falls to zero first, and the step until then. Of those that do so within rounding the one that
@@ -319,12 +324,20 @@ Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, Vector
             return holds_ ? Outcome::converged : Outcome::inaccurate;
         }
         gap_q += step * compliance;
+        const std::vector<Index> rows = factor_.rows();
         bool exchange = sets_a_mode_free(leaving);
         factor_.remove(leaving);
         multiplier_.erase(multiplier_.begin() + leaving);
         take_modes(p);
         exchange |= !holds_;
-        if (exchange && !factor_.append(p.S, q)) return Outcome::inaccurate;
+        if (exchange && !factor_.append(p.S, q)) {
+            // An exchange too near to dependence. Where nothing has moved yet another row may enter first.
+            if (multiplier_q > 4 * noise_) return Outcome::inaccurate;
+            factor_.rebuild(p.S, rows);
+            take_modes(p);
+            postponed_.push_back(q);
+            return holds_ && factor_.size() == k ? Outcome::converged : Outcome::inaccurate;
+        }
         if (exchange) take_modes(p);
         if (!holds_) return Outcome::inaccurate;
         if (exchange) return Outcome::converged;

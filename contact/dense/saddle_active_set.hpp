@@ -76,7 +76,8 @@ private:
     bool held_ = false;    // the gaps on the rows in the factor are closed
     DenseMatrix inverse_;  // of H, a pseudo-inverse where it is not
     std::vector<double> multiplier_;
-    std::vector<Index> forgiven_;
+    std::vector<Index> forgiven_;   // violated by rounding alone
+    std::vector<Index> postponed_;  // to enter after others
     double noise_ = 0;
     Vector certificate_;
 };
