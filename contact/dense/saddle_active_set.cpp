@@ -15,33 +15,45 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 constexpr double dependence = SchurFactor::dependence;
 constexpr double balance_rounding = 1e-11;  // of the terms of a mode's balance
-constexpr double forgivable = 1e4;  // allowances that a dependent row may stay violated by
+constexpr double forgivable = 1e4;          // allowances that a dependent row may stay violated by
 
 }  // namespace
 
 SaddleActiveSet::Report SaddleActiveSet::solve(const Problem& p, Vector& lambda, Vector& tau, Vector& w) {
     Report report;
     forgiven_.clear();
+    postponed_.clear();
     report.outcome = primal_dual(p, lambda, tau, w, report);
     if (report.outcome != Outcome::converged) {
         report.repeated = true;
         report.outcome = dual(p, lambda, tau, w, report);
     }
-    if (report.outcome == Outcome::converged) drop_rounding(p, lambda, w);
+    if (report.outcome != Outcome::converged) return report;
+    drop_rounding(p, lambda, tau, w);
+    std::vector<Index> pressed;
+    for (Index i = 0; i < lambda.size(); ++i)
+        if (lambda[i] > 0) pressed.push_back(i);
+    if (factor_.size() != static_cast<Index>(pressed.size())) {
+        factor_.change(p.S, pressed);
+        take_modes(p);
+    }
     return report;
 }
 
 /// Forces that are rounding of the gaps leave if no gap and no balance misses them. In a motion that needs no force all are.
-void SaddleActiveSet::drop_rounding(const Problem& p, Vector& lambda, Vector& w) const {
+void SaddleActiveSet::drop_rounding(const Problem& p, Vector& lambda, const Vector& tau, Vector& w) const {
     const Index m = p.g.size();
     const double least = m > 0 ? 1e-12 * p.g.lpNorm<Eigen::Infinity>() : 0;
     Vector small = (lambda.array() <= least).select(lambda, 0.0);
     if ((small.array() == 0).all()) return;
     const Vector kept = lambda - small;
-    const Vector gap = p.S.topLeftCorner(m, m) * small, force = p.G.topRows(m).transpose() * small;
-    const Vector size = p.e_size + p.G.topRows(m).cwiseAbs().transpose() * kept;
+    const auto G = p.G.topRows(m);
+    const Vector gap = p.S.topLeftCorner(m, m) * small;
+    const Vector without = G.transpose() * kept - p.stiffness.cwiseProduct(tau) - p.e;
+    const Vector with = without + G.transpose() * small;
+    const Vector size = p.e_size + G.cwiseAbs().transpose() * kept + p.stiffness.cwiseProduct(tau.cwiseAbs());
     if ((gap.array().abs() > p.allowance.array() + 4 * noise_).any() ||
-        (force.array().abs() > balance_rounding * size.array() && p.stiffness.array() == 0).any())
+        (without.array().abs() > with.array().abs().max(balance_rounding * size.array())).any())
         return;
     lambda = kept;
     w -= gap;
@@ -62,9 +74,14 @@ Outcome SaddleActiveSet::primal_dual(const Problem& p, Vector& lambda, Vector& t
         factor_.change(p.S, wanted);
         take_modes(p);
         solve_equations(p, tau);
-        if (!std::isfinite(noise_) || !(imbalance(p, tau) <= 1)) return Outcome::cycling;
-        gaps(p, tau, w);
+        // Rows that depend on others to rounding leave nothing but that.
+        const double gap_size = m > 0 ? p.g.lpNorm<Eigen::Infinity>() : 0;
         spread(lambda);
+        if (noise_ > 1e-10 * std::max(gap_size, m > 0 ? lambda.lpNorm<Eigen::Infinity>() : 0) ||
+            !std::isfinite(noise_) || !(imbalance(p, tau) <= 1))
+            return Outcome::cycling;
+        gaps(p, tau, w);
+        if (!held_) return Outcome::cycling;
         bool settled = true;
         wanted.clear();
         const double open = 4 * noise_;
@@ -113,7 +130,7 @@ void SaddleActiveSet::take_modes(const Problem& p) {
     const Index k = H_.rows();
     const Eigen::LLT<DenseMatrix> factor(H_);
     holds_ = factor.info() == Eigen::Success &&
-             (factor.matrixLLT().diagonal().array().square() > 1e-13 * H_.diagonal().array()).all();
+             (factor.matrixLLT().diagonal().array().square() > 1e-15 * H_.diagonal().array()).all();
     if (holds_) {
         inverse_ = factor.solve(DenseMatrix::Identity(k, k));
         return;
@@ -176,11 +193,15 @@ double SaddleActiveSet::imbalance(const Problem& p, const Vector& tau) const {
     return worst;
 }
 
-void SaddleActiveSet::gaps(const Problem& p, const Vector& tau, Vector& w) const {
+void SaddleActiveSet::gaps(const Problem& p, const Vector& tau, Vector& w) {
     const Index m = p.g.size();
     w = p.G.topRows(m) * tau - p.g;
     for (std::size_t i = 0; i < multiplier_.size(); ++i) w += multiplier_[i] * p.S.col(factor_.rows()[i]).head(m);
-    for (const Index row : factor_.rows()) w[row] = 0;
+    held_ = true;
+    for (const Index row : factor_.rows()) {
+        held_ &= std::abs(w[row]) <= p.allowance[row] + 8 * noise_;
+        w[row] = 0;
+    }
 }
 
 void SaddleActiveSet::spread(Vector& lambda) const {
@@ -211,10 +232,13 @@ Outcome SaddleActiveSet::dual(const Problem& p, Vector& lambda, Vector& tau, Vec
     while (true) {
         const bool by_number = standing > 10;
         const Index q = most_violated(p, w, by_number);
+        if (q < 0 && !postponed_.empty()) return Outcome::inaccurate;
         if (q < 0) break;
         double moved = 0;
+        const std::size_t waiting = postponed_.size();
         const Outcome end = enter(p, q, by_number, tau, w, report, moved);
         if (end != Outcome::converged) return end;
+        if (postponed_.size() == waiting) postponed_.clear();
         standing = moved > 0 ? 0 : standing + 1;
         solve_equations(p, tau);
         for (double& force : multiplier_) force = std::max(force, 0.0);
@@ -232,7 +256,10 @@ Index SaddleActiveSet::most_violated(const Problem& p, const Vector& w, bool by_
     double least = -4 * noise_;
     for (Index i = 0; i < w.size(); ++i) {
         if (!(w[i] < -p.allowance[i] && w[i] < least)) continue;
-        if (std::find(forgiven_.begin(), forgiven_.end(), i) != forgiven_.end()) continue;
+        if (w[i] >= -forgivable * p.allowance[i] &&
+            std::find(forgiven_.begin(), forgiven_.end(), i) != forgiven_.end())
+            continue;
+        if (std::find(postponed_.begin(), postponed_.end(), i) != postponed_.end()) continue;
         worst = i;
         if (by_number) break;
         least = w[i];
@@ -247,13 +274,31 @@ bool SaddleActiveSet::sets_a_mode_free(Index place) const {
     factor_.solve_lower(x);
     const Vector y = Y_.transpose() * x;
     const double all = x.squaredNorm();
-    return !(all - y.dot(modes_solved(y)) > 1e-10 * all);
+    return !(all - y.dot(modes_solved(y)) > 1e-12 * all);
+}
+
+/// The row whose multiplier falls to zero first, and the step until then. Of those that do so within rounding the one that
+/// falls fastest, the soundest pivot, or the first by number.
+Index SaddleActiveSet::first_to_leave(const Vector& r, bool by_number, double& step) const {
+    const Index k = r.size();
+    const double falling = k > 0 ? 1e-11 * r.lpNorm<Eigen::Infinity>() : 0;
+    const double slack = by_number ? 0 : 4 * noise_;
+    double within = infinity;
+    for (Index i = 0; i < k; ++i)
+        if (r[i] > falling) within = std::min(within, (multiplier_[at(i)] + slack) / r[i]);
+    Index leaving = -1;
+    for (Index i = 0; i < k; ++i) {
+        if (!(r[i] > falling) || !(multiplier_[at(i)] / r[i] <= within)) continue;
+        if (leaving < 0 || (by_number ? factor_.rows()[at(i)] < factor_.rows()[at(leaving)] : r[i] > r[leaving]))
+            leaving = i;
+    }
+    step = leaving < 0 ? infinity : multiplier_[at(leaving)] / r[leaving];
+    return leaving;
 }
 
 Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, Vector& tau, Vector& w, Report& report,
                                double& moved) {
     double multiplier_q = 0, gap_q = w[q];
-    const double violation = -gap_q;
     while (true) {
         ++report.iterations;
         const Index k = factor_.size();
@@ -267,19 +312,9 @@ Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, Vector
         const bool dependent = !(compliance > dependence * p.S(q, q));
         const double full_step = dependent ? infinity : -gap_q / compliance;
         double partial_step = infinity;
-        Index leaving = -1;
-        const double falling = k > 0 ? 1e-12 * r.lpNorm<Eigen::Infinity>() : 0;
-        for (Index i = 0; i < k; ++i) {
-            if (!(r[i] > falling)) continue;
-            const double step = multiplier_[at(i)] / r[i];
-            const bool first = leaving < 0 || factor_.rows()[at(i)] < factor_.rows()[at(leaving)];
-            if (step < partial_step || (by_number && step == partial_step && first)) {
-                partial_step = step;
-                leaving = i;
-            }
-        }
+        const Index leaving = first_to_leave(r, by_number, partial_step);
         const double step = std::min(full_step, partial_step);
-        if (step == infinity) return nothing_moves(p, q, multiplier_q, r, violation);
+        if (step == infinity) return nothing_moves(p, q, multiplier_q, r, -gap_q);
         for (Index i = 0; i < k; ++i) multiplier_[at(i)] = std::max(multiplier_[at(i)] - step * r[i], 0.0);
         multiplier_q += step;
         if (step > 4 * noise_) moved += step;
@@ -289,11 +324,21 @@ Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, Vector
             return holds_ ? Outcome::converged : Outcome::inaccurate;
         }
         gap_q += step * compliance;
-        const bool exchange = sets_a_mode_free(leaving);
+        const std::vector<Index> rows = factor_.rows();
+        bool exchange = sets_a_mode_free(leaving);
         factor_.remove(leaving);
         multiplier_.erase(multiplier_.begin() + leaving);
-        if (exchange && !factor_.append(p.S, q)) return Outcome::inaccurate;
         take_modes(p);
+        exchange |= !holds_;
+        if (exchange && !factor_.append(p.S, q)) {
+            // An exchange too near to dependence. Where nothing has moved yet another row may enter first.
+            if (multiplier_q > 4 * noise_) return Outcome::inaccurate;
+            factor_.rebuild(p.S, rows);
+            take_modes(p);
+            postponed_.push_back(q);
+            return holds_ && factor_.size() == k ? Outcome::converged : Outcome::inaccurate;
+        }
+        if (exchange) take_modes(p);
         if (!holds_) return Outcome::inaccurate;
         if (exchange) return Outcome::converged;
     }

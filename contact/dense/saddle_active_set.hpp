@@ -52,7 +52,7 @@ public:
 private:
     Outcome primal_dual(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report);
     Outcome dual(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report);
-    void drop_rounding(const Problem& p, Vector& lambda, Vector& w) const;
+    void drop_rounding(const Problem& p, Vector& lambda, const Vector& tau, Vector& w) const;
     /// A set of rows that holds every mode without stiffness, with multipliers that balance e.
     Outcome start(const Problem& p, std::vector<Index>& rows);
     /// After the rows in the factor have changed.
@@ -61,20 +61,23 @@ private:
     /// multiplier_ and tau of the rows in the factor, refined; noise_ is what the last correction changed.
     void solve_equations(const Problem& p, Vector& tau);
     void solve_once(Vector& q, Vector& e) const;
-    void gaps(const Problem& p, const Vector& tau, Vector& w) const;
+    void gaps(const Problem& p, const Vector& tau, Vector& w);
     double imbalance(const Problem& p, const Vector& tau) const;
     void spread(Vector& lambda) const;
     Outcome enter(const Problem& p, Index q, bool by_number, Vector& tau, Vector& w, Report& report, double& moved);
     Outcome nothing_moves(const Problem& p, Index q, double multiplier_q, const Vector& r, double violation);
+    Index first_to_leave(const Vector& r, bool by_number, double& step) const;
     bool sets_a_mode_free(Index place) const;
     Index most_violated(const Problem& p, const Vector& w, bool by_number) const;
 
     SchurFactor factor_;
     DenseMatrix Y_, H_;    // L^-1 G and Y'Y + diag(stiffness)
     bool holds_ = false;   // H is regular
+    bool held_ = false;    // the gaps on the rows in the factor are closed
     DenseMatrix inverse_;  // of H, a pseudo-inverse where it is not
     std::vector<double> multiplier_;
-    std::vector<Index> forgiven_;
+    std::vector<Index> forgiven_;   // violated by rounding alone
+    std::vector<Index> postponed_;  // to enter after others
     double noise_ = 0;
     Vector certificate_;
 };

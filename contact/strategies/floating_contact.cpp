@@ -95,10 +95,11 @@ public:
 
 private:
     static constexpr double acceptable = 1e-10;
-    static constexpr double gap_tolerance = 2e-14;  // of the row's own |c_i| + |B_i||x|
-    static constexpr double balanced = 1e-12;       // of the terms of a mode's balance
-    static constexpr double unbalanced = 1e-11;     // the same for what no row can take
-    static constexpr double held = 1e-10;           // of the motion that rows hold best
+    static constexpr double gap_tolerance = 2e-14;     // of the row's own |c_i| + |B_i||x|
+    static constexpr double rounding_of_gaps = 4e-15;  // of the largest of them, in units of energy
+    static constexpr double balanced = 1e-12;          // of the terms of a mode's balance
+    static constexpr double unbalanced = 1e-11;        // the same for what no row can take
+    static constexpr double held = 1e-10;              // of the motion that rows hold best
 
     /// x_ and lambda_ of the problem in unknowns of unit stiffness; lambda_ is the guess on entry.
     Outcome solve_scaled(const Vector& given, const ConstVectorRef& c, ContactReport& report) {
@@ -300,6 +301,8 @@ private:
             q.allowance[k] = scale_[k] * gap_tolerance * size;
             multiplier[k] = lambda_[row] / scale_[k];
         }
+        // The point carries the rounding of its largest entry everywhere.
+        if (m > 0) q.allowance.array() += rounding_of_gaps * q.g.lpNorm<Eigen::Infinity>();
         const SaddleActiveSet::Problem problem{S_, pool_G_, q.stiffness, q.e, q.e_size, q.g, q.allowance};
         const auto dense = active_set_.solve(problem, multiplier, tau, w);
         report.iterations += dense.iterations;
@@ -370,10 +373,26 @@ private:
             const double imbalance = worst_imbalance(r);
             if (size == 0 || (!(size < 0.1 * last) && imbalance <= 1)) break;
             last = size;
+            const Vector x = x_, lambda = lambda_, tau = tau_;
+            const double before = worst_violation(c);
             correct(r, c);
+            if (!(worst_violation(c) <= 10 * before + rounding_of_gaps * x.lpNorm<Eigen::Infinity>())) {
+                x_ = x;
+                lambda_ = lambda;
+                tau_ = tau;
+                break;
+            }
             r = residual();
         }
         return worst_imbalance(r) <= 1;
+    }
+
+    double worst_violation(const ConstVectorRef& c) const {
+        double worst = 0;
+        const Vector gap = rows_.transpose() * x_ - c;
+        for (Index i = 0; i < c.size(); ++i)
+            if (on_[at(i)]) worst = std::max(worst, -gap[i] / length_[i]);
+        return x_.allFinite() ? worst : infinity;
     }
 
     /// Of the forces along each mode, in what is allowed of them. What A's rounding leaves of a stiffness that is none has a
@@ -383,8 +402,8 @@ private:
         const Vector force = rows_ * lambda_;
         const Vector sizes = size_of_balance(R_, load_) + R_.cwiseAbs().transpose() * force.cwiseAbs() +
                              stiffness_.cwiseProduct(tau_.cwiseAbs());
-        const Vector unknown = 2 * faint_.cwiseAbs() * tau_.cwiseAbs() +
-                               4 * rounding * R_.cwiseAbs().transpose() * r.cwiseAbs();
+        const Vector unknown =
+            8 * faint_.cwiseAbs() * tau_.cwiseAbs() + 4 * rounding * R_.cwiseAbs().transpose() * r.cwiseAbs();
         double worst = 0;
         for (Index j = 0; j < R_.cols(); ++j) {
             const double rest = std::abs(extended_dot(R_.col(j), r));
@@ -435,7 +454,7 @@ private:
     DenseMatrix loose_;     // modes without stiffness that no such row takes part in
     DenseMatrix R_, G_;     // the other modes, and B R
     Vector stiffness_;
-    DenseMatrix faint_;      // R'A R of those without stiffness, to A's last digits
+    DenseMatrix faint_;  // R'A R of those without stiffness, to A's last digits
     std::vector<Index> pool_, place_;
     DenseMatrix compliance_, S_, pool_G_;
     Vector scale_;
