@@ -30,6 +30,8 @@ using Prepared = std::unique_ptr<PreparedContact>;
 constexpr Index largest_orthogonal = 4000;
 /// Rows up to which pivots on a whole tableau are cheap.
 constexpr Index largest_tableau = 500;
+/// Rows of a pool behind a narrow band.
+constexpr Index narrow_pool = 500;
 /// Numbers in a dense B that few unknowns may have: five copies of them are 160 MB.
 constexpr Index largest_dense_rows = 4000000;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
@@ -259,9 +261,12 @@ private:
 /// The strategy chosen for A and B, and those that follow it.
 Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
     Choice choice = first_choice(A, B, options);
+    // A narrow band is refactored for less than many rows of a pool cost.
+    const bool front = choice.strategy == Strategy::schur && !options.always && B.rows() > 4 * narrow_pool &&
+                       allowed(options, Strategy::klu_active_set) && shape_of(B).bounds && matrix_facts(A).narrow;
     Prepared first;
     try {
-        first = prepare_as(choice.strategy, A, B);
+        first = front ? SchurContact({.pool_rows = narrow_pool}).prepare(A, B) : prepare_as(choice.strategy, A, B);
     } catch (const NumericalError&) {
         if (B.rows() == 0 || !A.is_symmetric()) throw;  // nothing there that could hold it
         return std::make_unique<PreparedAutomatic>(Choice{Strategy::schur, "A is singular or indefinite to rounding"},
@@ -274,6 +279,7 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
         if (B.rows() > 0 && B.rows() <= largest_orthogonal)
             rest.push_back([A, B] { return PrincipalPivoting().prepare(A, B); });
     } else {
+        if (front) rest.push_back([A, B] { return KluActiveSet().prepare(A, B); });
         const bool medium = A.rows() <= largest_orthogonal;
         const bool iteration = patience(choice.strategy) < std::numeric_limits<int>::max();
         if (choice.strategy != Strategy::schur && (iteration || !medium) && allowed(options, Strategy::schur))

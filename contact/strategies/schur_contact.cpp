@@ -17,6 +17,7 @@ public:
           accept_(A, B),
           rows_(B),
           touched_(*factor_, nullptr, B, rows_, options.pool_bytes),
+          pool_rows_(options.pool_rows),
           free_(A.rows()) {}
 
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
@@ -28,7 +29,7 @@ public:
             load_ = b;
             reach_ = accept_.reach(free_);
         }
-        report.outcome = touched_.solve(free_, c, point.lambda, report, c.size());
+        report.outcome = touched_.solve(free_, c, point.lambda, report, pool_rows_ - touched_.pool().size());
         if (report.outcome != Outcome::converged) return report;
         accept_.certify(report, b, c, touched_.u(), touched_.lambda(), acceptable, reach_, point);
         return report;
@@ -41,6 +42,7 @@ private:
     Acceptance accept_;
     ConstraintRows rows_;
     TouchedRows touched_;
+    Index pool_rows_;
     double reach_ = 0;  // of free_, in units of energy
     Vector load_, free_;
 };

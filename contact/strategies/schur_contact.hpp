@@ -1,6 +1,8 @@
 // One factor of A for ever; contact on the dense block of B A^-1 B' that has been touched so far.
 #pragma once
 
+#include <limits>
+
 #include "../../lib/contact_solver.hpp"
 
 namespace tact {
@@ -16,6 +18,8 @@ struct SchurOptions {
     /// Of the pool, 8 bytes for each pair of its rows (half as much again is taken to work with): beyond it the rows that are not in contact are forgotten. Rows
     /// in contact are kept whatever they take.
     std::size_t pool_bytes = std::size_t{256} << 20;
+    /// Rows that the pool may hold. A solve that needs more ends with `iteration_limit`, for another strategy to go on.
+    Index pool_rows = std::numeric_limits<Index>::max();
 };
 
 class SchurContact final : public ContactSolver {
