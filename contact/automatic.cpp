@@ -10,6 +10,7 @@
 #include "prepare/interval_contact.hpp"
 #include "prepare/merged_rows.hpp"
 #include "prepare/renumbered.hpp"
+#include "strategies/schur_contact.hpp"
 #include "strategy_table.hpp"
 
 namespace tact {
@@ -19,6 +20,11 @@ using Strategy = ContactStrategy;
 using Prepared = std::unique_ptr<PreparedContact>;
 
 Prepared prepare_as(Strategy strategy, const Matrix& A, const Matrix& B) { return facts_of(strategy).prepare(A, B); }
+
+Prepared prepare_choice(const StrategyChoice& choice, const Matrix& A, const Matrix& B) {
+    if (choice.pool_rows == 0) return prepare_as(choice.strategy, A, B);
+    return SchurContact({.least_stiffness = nearly_singular, .pool_rows = choice.pool_rows}).prepare(A, B);
+}
 
 /// A as a diagonal matrix where it is one, however it is stored: the answer does not hang on that.
 Matrix diagonal_if_it_is_one(const Matrix& A) {
@@ -93,7 +99,7 @@ public:
     bool update(const Matrix& A) override {
         if (!can_stay(A)) return false;
         try {
-            if (!current_->update(A)) current_ = prepare_as(choice_.strategy, A, B_);
+            if (!current_->update(A)) current_ = prepare_choice(choice_, A, B_);
         } catch (const InputError&) {
             return false;
         } catch (const NumericalError&) {
@@ -211,7 +217,7 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
     StrategyChoice choice = first_choice(A, B, options);
     Prepared first;
     try {
-        first = prepare_as(choice.strategy, A, B);
+        first = prepare_choice(choice, A, B);
     } catch (const NumericalError&) {
         if (options.always || !A.is_symmetric() || choice.strategy == Strategy::floating ||
             !allowed(options, Strategy::floating))
@@ -220,7 +226,7 @@ Prepared prepare_chosen(const Matrix& A, const Matrix& B, const AutomaticOptions
         return std::make_unique<PreparedAutomatic>(A, B, choice, prepare_as(choice.strategy, A, B),
                                                    std::vector<Strategy>{}, std::nullopt);
     }
-    const std::vector<Strategy> rest = followers(choice.strategy, A, B, options);
+    const std::vector<Strategy> rest = followers(choice, A, B, options);
     std::optional<Record> record;
     if (facts_of(choice.strategy).patience > 0 && !rest.empty() && rest.front() == Strategy::schur)
         record.emplace(B.rows(), options.solves_before_factor);

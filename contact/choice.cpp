@@ -17,10 +17,10 @@ constexpr Index largest_orthogonal = 4000;
 constexpr Index largest_tableau = 500;
 /// Rows that PrincipalPivoting takes at most.
 constexpr Index largest_pivoting = 6000;
-/// Condition of A, scaled to unit diagonal, from which on it is nearly singular.
-constexpr double nearly_singular = 1e9;
 /// Rows up to which a singular A is left to a dense saddle at once, not after an iteration has failed.
 constexpr Index few_rows_of_floating = 6000;
+/// Rows of a pool behind a narrow band.
+constexpr Index narrow_pool = 500;
 /// Numbers in a dense B that few unknowns may have: five copies of them are 160 MB.
 constexpr Index largest_dense_rows = 4000000;
 /// Unknowns up to which CG has no chance: two plates of 1,600 each take 84 us a step with a factor, 650 with CG.
@@ -45,10 +45,10 @@ RowShape shape_of(const Matrix& B) {
 bool looks_singular(const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
     if (A.diagonal_entries() || B.rows() > few_rows_of_floating || !(A.main_diagonal().array() > 0).all())
         return false;
-    if (matrix_facts(A).condition_above > nearly_singular) return true;
+    if (matrix_facts(A).condition_above > 1 / nearly_singular) return true;
     if (A.rows() > options.small) return false;
     const Vector unit = A.main_diagonal().cwiseSqrt().cwiseInverse();
-    return !softest_pivots(unit.asDiagonal() * A.to_dense() * unit.asDiagonal(), 1 / nearly_singular).empty();
+    return !softest_pivots(unit.asDiagonal() * A.to_dense() * unit.asDiagonal(), nearly_singular).empty();
 }
 
 }  // namespace
@@ -91,7 +91,11 @@ StrategyChoice first_choice(const Matrix& A, const Matrix& B, const AutomaticOpt
     if (!small && !rows.bounds && !rows.disjoint && 4 * B.rows() >= A.rows() && facts.positive_diagonal &&
         may(Strategy::interior_point))
         return {Strategy::interior_point, "many rows that overlap"};
-    if (may(Strategy::schur)) return {Strategy::schur, "one factor of A for all solves"};
+    if (may(Strategy::schur)) {
+        // A narrow band is refactored for less than many rows of a pool cost.
+        const bool front = facts.narrow && rows.bounds && B.rows() > 4 * narrow_pool && may(Strategy::klu_active_set);
+        return {Strategy::schur, "one factor of A for all solves", front ? narrow_pool : 0};
+    }
     if (may(Strategy::klu_active_set)) return {Strategy::klu_active_set, left};
     if (may(Strategy::interior_point) && facts.positive_diagonal) return {Strategy::interior_point, left};
     if (may(Strategy::orthogonal) && A.rows() <= largest_orthogonal) return {Strategy::orthogonal, left};
@@ -100,10 +104,11 @@ StrategyChoice first_choice(const Matrix& A, const Matrix& B, const AutomaticOpt
     nothing_left(A, B);
 }
 
-std::vector<Strategy> followers(Strategy first, const Matrix& A, const Matrix& B, const AutomaticOptions& options) {
+std::vector<Strategy> followers(const StrategyChoice& first, const Matrix& A, const Matrix& B,
+                                const AutomaticOptions& options) {
     std::vector<Strategy> rest;
     const auto add = [&](Strategy strategy) {
-        if (strategy != first && allowed(options, strategy)) rest.push_back(strategy);
+        if (strategy != first.strategy && allowed(options, strategy)) rest.push_back(strategy);
     };
     if (options.always) return rest;
     if (!A.is_symmetric()) {
@@ -111,7 +116,8 @@ std::vector<Strategy> followers(Strategy first, const Matrix& A, const Matrix& B
         return rest;
     }
     const bool medium = A.rows() <= largest_orthogonal;
-    if (facts_of(first).patience > 0 || !medium) add(Strategy::schur);
+    if (first.pool_rows > 0) add(Strategy::klu_active_set);
+    if (facts_of(first.strategy).patience > 0 || !medium) add(Strategy::schur);
     add(Strategy::floating);
     if (medium) add(Strategy::orthogonal);
     if ((A.main_diagonal().array() > 0).all()) add(Strategy::interior_point);

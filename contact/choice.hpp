@@ -11,6 +11,8 @@ namespace tact {
 struct StrategyChoice {
     ContactStrategy strategy;
     std::string_view reason;  ///< static lifetime
+    /// Of SchurContact: rows in contact from which on another strategy is cheaper; 0: none.
+    Index pool_rows = 0;
 };
 
 bool allowed(const AutomaticOptions& options, ContactStrategy strategy);
@@ -19,7 +21,7 @@ bool allowed(const AutomaticOptions& options, ContactStrategy strategy);
 StrategyChoice first_choice(const Matrix& A, const Matrix& B, const AutomaticOptions& options);
 
 /// Those that follow the chosen one where it ends without a solution, sturdier ones later.
-std::vector<ContactStrategy> followers(ContactStrategy first, const Matrix& A, const Matrix& B,
+std::vector<ContactStrategy> followers(const StrategyChoice& first, const Matrix& A, const Matrix& B,
                                        const AutomaticOptions& options);
 
 }  // namespace tact

@@ -18,10 +18,6 @@
 namespace tact {
 namespace {
 
-/// Stiffness of the softest direction of A, scaled to unit diagonal, below which soft directions are solved for apart: with nine
-/// digits gone in a factor a residual at rounding says little about forces.
-constexpr double nearly_singular = 1e-9;
-
 template <class Recipe> std::unique_ptr<PreparedContact> prepare(const Matrix& A, const Matrix& B) {
     return Recipe().prepare(A, B);
 }

@@ -28,6 +28,10 @@ struct StrategyFacts {
     std::unique_ptr<PreparedContact> (*prepare)(const Matrix& A, const Matrix& B);
 };
 
+/// Stiffness of the softest direction of A, scaled to unit diagonal, below which soft directions are solved for apart: with nine
+/// digits gone in a factor a residual at rounding says little about forces.
+inline constexpr double nearly_singular = 1e-9;
+
 std::span<const StrategyFacts> strategy_table();
 const StrategyFacts& facts_of(ContactStrategy strategy);
 

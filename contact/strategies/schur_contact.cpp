@@ -50,7 +50,8 @@ public:
             load_ = b;
             reach_ = accept_.reach(free_);
         }
-        report.outcome = touched_->solve(free_, c, point.lambda, report, options_.pool_rows - touched_->pool().size());
+        report.outcome =
+            touched_->solve(free_, c, point.lambda, report, options_.pool_rows - touched_->pool().size());
         if (report.outcome != Outcome::converged) return report;
         accept_.certify(report, b, c, touched_->u(), touched_->lambda(), acceptable, reach_, point);
         return report;

@@ -1,6 +1,8 @@
 // One factor of A for ever; contact on the dense block of B A^-1 B' that has been touched so far.
 #pragma once
 
+#include <limits>
+
 #include "../../lib/contact_solver.hpp"
 
 namespace tact {
@@ -18,6 +20,8 @@ struct SchurOptions {
     std::size_t pool_bytes = std::size_t{256} << 20;
     /// NumericalError from prepare where a direction of A, scaled to unit diagonal, is softer than this: there A^-1 b cancels.
     double least_stiffness = 0;
+    /// Rows that the pool may hold. A solve that needs more ends with `iteration_limit`, for another strategy to go on.
+    Index pool_rows = std::numeric_limits<Index>::max();
 };
 
 class SchurContact final : public ContactSolver {
