@@ -314,6 +314,10 @@ private:
         if (caught_) std::rethrow_exception(std::exchange(caught_, nullptr));
         hook_.rethrow();
         report.contact = hook_.report();
+        if (report.contact.outcome == Outcome::not_finite) {
+            report.outcome = Outcome::not_finite;
+            return report;
+        }
         switch (flag) {
             case ARK_TOO_MUCH_WORK: report.outcome = Outcome::step_limit; break;
             case ARK_TOO_MUCH_ACC: report.outcome = Outcome::tolerance_too_small; break;

@@ -344,6 +344,10 @@ private:
         hook_.rethrow();
         report.t = now_.t;
         report.contact = hook_.report();
+        if (report.contact.outcome == Outcome::not_finite) {
+            report.outcome = Outcome::not_finite;
+            return report;
+        }
         switch (flag) {
             case IDA_TOO_MUCH_WORK: report.outcome = Outcome::step_limit; break;
             case IDA_TOO_MUCH_ACC: report.outcome = Outcome::tolerance_too_small; break;

@@ -10,6 +10,8 @@ int StageHook::solve(SUNNonlinearSolver solver, N_Vector, N_Vector correction, N
         content.report = content.stages->solve(content.client->stage(), *content.target);
         content.worst.raise_to(content.report.kkt);
         content.report.kkt = content.worst;
+        // A smaller step does not make a load, a gap or r(u) finite.
+        if (content.report.outcome == Outcome::not_finite) return SUN_NLS_MEM_FAIL;
         if (content.report.outcome != Outcome::converged) return SUN_NLS_CONV_RECVR;
         content.client->correct(correction);
         return SUN_NLS_SUCCESS;
