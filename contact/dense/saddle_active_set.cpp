@@ -281,7 +281,8 @@ bool SaddleActiveSet::sets_a_mode_free(Index place) const {
 /// falls fastest, the soundest pivot, or the first by number.
 Index SaddleActiveSet::first_to_leave(const Vector& r, bool by_number, double& step) const {
     const Index k = r.size();
-    const double falling = k > 0 ? 1e-11 * r.lpNorm<Eigen::Infinity>() : 0;
+    // Rows are of unit size: below this an entry of r is rounding.
+    const double falling = k > 0 ? 1e-11 * std::max(r.lpNorm<Eigen::Infinity>(), 1.0) : 0;
     const double slack = by_number ? 0 : 4 * noise_;
     double within = infinity;
     for (Index i = 0; i < k; ++i)

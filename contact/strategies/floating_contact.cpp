@@ -403,7 +403,7 @@ private:
         const Vector sizes = size_of_balance(R_, load_) + R_.cwiseAbs().transpose() * force.cwiseAbs() +
                              stiffness_.cwiseProduct(tau_.cwiseAbs());
         const Vector unknown =
-            8 * faint_.cwiseAbs() * tau_.cwiseAbs() + 4 * rounding * R_.cwiseAbs().transpose() * r.cwiseAbs();
+            8 * faint_.cwiseAbs() * tau_.cwiseAbs() + 64 * rounding * R_.cwiseAbs().transpose() * r.cwiseAbs();
         double worst = 0;
         for (Index j = 0; j < R_.cols(); ++j) {
             const double rest = std::abs(extended_dot(R_.col(j), r));
