@@ -79,7 +79,7 @@ function(tact_compile_options target)
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<BOOL:${TACT_WERROR}>:-Werror> -fno-math-errno
     -Wno-psabi  # vector types are passed between inlined kernels only, never across a compiled boundary
     # GCC 12 takes Eigen's copy of a Vector2d to a Vector, entry by entry up to an aligned one, for longer than it is.
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-array-bounds>"
     $<$<BOOL:${TACT_NATIVE}>:-march=native>)
   if(TACT_NATIVE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # Its own AVX-512 intrinsics start from an undefined register; the other presets keep the warning.

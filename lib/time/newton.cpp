@@ -92,7 +92,7 @@ ContactReport NewtonSolver::iterate(Frozen& at, const ConstVectorRef& b, const R
     for (int solves = 1;; ++solves) {
         load_ = b - force_;
         if (at.tangent) at.tangent->multiply(u_, load_, 1, 1);
-        ContactReport report = at.contact->solve(load_, c, point);
+        ContactReport report = at.contact->solve_rows(load_, rows, point);
         report.iterations = iterations += report.iterations;
         if (report.outcome != Outcome::converged) {
             fault_ = entry_that_is_not_finite("r(u)", force_);
