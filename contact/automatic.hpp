@@ -45,15 +45,15 @@ struct AutomaticOptions {
 /// The chooser. In this order, for symmetric A:
 ///   diagonal, rows that do not overlap                -> DiagonalContact
 ///   singular or nearly so (a body nothing holds)      -> FloatingContact
-///   dense or diagonal, or few unknowns                -> DenseContact
+///   dense or diagonal, or few unknowns                -> DenseContact (few unknowns with any number of rows)
 ///   bounds, condition up to `sweepable`               -> ColourSor (up to `sweepable_if_narrow` where A is a narrow band)
 ///   well conditioned, rows that do not overlap        -> ProjectedCg, if a factor would cost more
 ///   M-matrix and bounds, not a narrow band            -> MultigridActiveSet
 ///   overlapping rows, a quarter as many as unknowns   -> InteriorPoint
 ///   else                                              -> SchurContact
 /// or, where the options forbid it, KluActiveSet, InteriorPoint, OrthogonalContact, PrincipalPivoting, FloatingContact;
-/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric. A whose factor shows that it is singular, or nearly so:
-/// FloatingContact.
+/// and KluActiveSet, then PrincipalPivoting, for A that is not symmetric; KluActiveSet too where many bounds of a narrow band
+/// close, more than a pool should hold. A whose factor shows that it is singular, or nearly so: FloatingContact.
 ///
 /// Rows that equal another one up to a positive factor are merged with it first (contact/prepare/merged_rows.hpp).
 /// All of them work in a numbering by waves where the caller's is as good as random (contact/prepare/renumbered.hpp).

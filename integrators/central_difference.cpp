@@ -203,8 +203,8 @@ std::unique_ptr<Run> CentralDifference::start(const Shared<ContactProblem>& prob
     require_contact_rows("CentralDifference", *problem);
     const double largest = largest_step(*problem, workspace, grid.dt);
     if (!(grid.dt <= largest))
-        throw InputError("CentralDifference: dt is " + short_number(grid.dt) + ", expected at most " +
-                         short_number(largest) + " = 2 / the largest natural frequency");
+        throw InputError("CentralDifference: dt is " + shown(grid.dt) + ", expected at most " + shown(largest) +
+                         " = 2 / the largest natural frequency");
     return std::make_unique<CentralRun>(problem, grid, workspace, restitution_);
 }
 

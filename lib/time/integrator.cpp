@@ -117,8 +117,7 @@ MarchReport march_through(const Integrator& method, const ContactProblem& given,
         if (march.last.outcome != Outcome::converged) {
             march.outcome = march.last.outcome;
             if (given.c.constant())
-                if (const std::string row =
-                        contradiction_of_empty_row(march.last.contact, given.B, given.c.at(0));
+                if (const std::string row = contradiction_of_empty_row(march.last.contact, given.B, given.c.at(0));
                     !row.empty())
                     throw InputError("ContactProblem: " + row);
             break;

@@ -1,19 +1,13 @@
 // Names with options, as the registry reads them.
 #pragma once
 
-#include <array>
-#include <charconv>
 #include <string>
 #include <string_view>
 #include <utility>
 
-namespace tact {
+#include "../errors.hpp"
 
-/// The fewest digits that read back as the same number.
-inline std::string short_number(double x) {
-    std::array<char, 32> digits{};
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
-}
+namespace tact {
 
 /// "trapezoid", "trapezoid:rho=0.5,e=0": a name that options are added to.
 class WithOptions {
@@ -22,7 +16,7 @@ public:
     WithOptions& add(std::string_view option, double value) {
         text_ += first_ ? ':' : ',';
         first_ = false;
-        text_.append(option).append("=").append(short_number(value));
+        text_.append(option).append("=").append(shown(value));
         return *this;
     }
     /// Only where it is not what it would be anyway.

@@ -1,5 +1,7 @@
 // How reports print themselves.
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <ostream>
@@ -51,11 +53,11 @@ void print_largest(std::ostream& out, const Vector& x) {
     std::iota(order.begin(), order.end(), Index{0});
     std::erase_if(order, [&](Index i) { return x[i] == 0; });
     const auto larger = [&](Index i, Index j) { return std::abs(x[i]) > std::abs(x[j]); };
-    const std::size_t shown = std::min(most, order.size());
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(shown), order.end(), larger);
-    for (std::size_t k = 0; k < shown; ++k)
+    const std::size_t printed = std::min(most, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(printed), order.end(), larger);
+    for (std::size_t k = 0; k < printed; ++k)
         out << (k == 0 ? " " : ", ") << order[k] << " (" << rough(x[order[k]]) << ")";
-    if (order.size() > shown) out << ", and " << order.size() - shown << " more";
+    if (order.size() > printed) out << ", and " << order.size() - printed << " more";
 }
 
 /// What the user can do; empty where there is nothing to do.
@@ -70,12 +72,14 @@ const char* advice(Outcome outcome) {
         case Outcome::step_limit: return "a larger rtol or atol, or a larger most_steps";
         case Outcome::step_too_small: return "a larger rtol or atol, or an integrator with fixed steps";
         case Outcome::tolerance_too_small: return "a larger rtol or atol";
+        case Outcome::not_finite: return "a load, a gap and internal forces that are finite at this time and state";
         default: return "";
     }
 }
 
 /// The lines below the first of a solve that failed.
 void print_failure(std::ostream& out, const ContactReport& report) {
+    if (!report.detail.empty()) out << "\n  " << report.detail;
     if (!report.strategy.empty()) {
         out << "\n  tried: " << report.strategy;
         if (!report.reason.empty()) out << " (" << report.reason << ")";
@@ -122,7 +126,7 @@ std::ostream& operator<<(std::ostream& out, const StaticSolution& solution) {
 }
 
 std::ostream& operator<<(std::ostream& out, const StepReport& report) {
-    out << "step " << report.step << " to t = " << short_number(report.t) << ", " << to_string(report.outcome);
+    out << "step " << report.step << " to t = " << shown(report.t) << ", " << to_string(report.outcome);
     if (report.contact.outcome == Outcome::converged || !report.contact.strategy.empty()) {
         out << ": ";
         print_solve(out, report.contact);
@@ -141,7 +145,7 @@ std::ostream& operator<<(std::ostream& out, const StepReport& report) {
 
 std::ostream& operator<<(std::ostream& out, const MarchReport& report) {
     out << to_string(report.outcome) << ": " << counted(report.accepted_steps, "step")
-        << " to t = " << short_number(report.final_state.t) << ", ";
+        << " to t = " << shown(report.final_state.t) << ", ";
     if (report.first_contact_step > 0)
         out << "contact from step " << report.first_contact_step << " in at most "
             << counted(report.most_active, "row") << ", ";

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "../../../contact/dense/screened_gaps.hpp"
@@ -193,6 +195,40 @@ TEST(DenseContact, WithComplianceSharesTheForceOfEqualRows) {
 TEST(DenseContact, RefusesAComplianceThatIsNone) {
     for (const double bad : {-0.1, std::nan(""), infinity})
         EXPECT_THROW((void)DenseContact({.compliance = bad}).prepare(A, B), InputError);
+}
+
+/// Rows that touch a ball's polyhedron: whatever is pushed, few of thousands can hold it. Against the same solve on the rows
+/// that are nearest alone, where S is formed.
+TEST(DenseContact, FormsNothingOfManyRowsThatTheyDoNotNeed) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal;
+    const Index n = 6, count = 5000, near = 1000;
+    DenseMatrix rows_of_ball = DenseMatrix::NullaryExpr(count, n, [&] { return normal(random); });
+    rows_of_ball.rowwise().normalize();
+    const DenseMatrix G = DenseMatrix::NullaryExpr(n, n, [&] { return normal(random); });
+    const Matrix stiffness(DenseMatrix(G * G.transpose() + DenseMatrix::Identity(n, n)));
+    const Vector radius = Vector::Constant(count, -1);
+    const auto prepared = DenseContact().prepare(stiffness, Matrix(rows_of_ball));
+    Vector u = Vector::Zero(n), lambda = Vector::Zero(count);
+    for (int k = 0; k < 10; ++k) {
+        const Vector b = Vector::NullaryExpr(n, [&] { return 20 * normal(random); });
+        const auto report = prepared->solve(b, radius, {u, lambda});
+        ASSERT_EQ(report.outcome, Outcome::converged);
+        EXPECT_GE((rows_of_ball * u - radius).minCoeff(), -1e-12);
+        const Vector gap = rows_of_ball * u - radius;
+        std::vector<Index> rows(static_cast<std::size_t>(count));
+        std::iota(rows.begin(), rows.end(), 0);
+        std::sort(rows.begin(), rows.end(), [&](Index i, Index j) { return gap[i] < gap[j]; });
+        rows.resize(near);
+        Vector other_u = Vector::Zero(n), other = Vector::Zero(near);
+        ASSERT_EQ(DenseContact()
+                      .prepare(stiffness, Matrix(DenseMatrix(rows_of_ball(rows, Eigen::all))))
+                      ->solve(b, Vector::Constant(near, -1), {other_u, other})
+                      .outcome,
+                  Outcome::converged);
+        EXPECT_LE((u - other_u).norm(), 1e-11 * u.norm());
+        EXPECT_GT(report.active, 0);
+    }
 }
 
 }  // namespace

@@ -48,7 +48,61 @@ TEST(DiagonalContact, IsWhatTheChooserTakesAndRejectsTheRest) {
     EXPECT_THROW((void)DiagonalContact().prepare(A, overlapping), InputError);
     EXPECT_THROW((void)DiagonalContact().prepare(Matrix(DenseMatrix(DenseMatrix::Identity(3, 3))), pairs),
                  InputError);
-    EXPECT_THROW((void)DiagonalContact().prepare(Matrix::diagonal(Vector{{1, 0, 1}}), pairs), InputError);
+    EXPECT_THROW((void)DiagonalContact().prepare(Matrix::diagonal(Vector{{1, -1, 1}}), pairs), InputError);
+}
+
+/// Against the conditions themselves, and rays against what makes them rays; however the matrix is stored.
+TEST(DiagonalContact, BalancesUnknownsWithoutMass) {
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    int solved = 0, unbounded = 0;
+    for (int k = 0; k < 400; ++k) {
+        const Index m = 4, n = 14;
+        Vector d = Vector::NullaryExpr(n, [&] { return random() % 3 == 0 ? 0.0 : std::exp(normal(random)); });
+        SparseMatrix rows(m, n);
+        for (Index i = 0; i < m; ++i)
+            for (Index j = 3 * i; j < 3 * i + 3; ++j) rows.insert(i, j) = normal(random);
+        const SparseMatrix B = rows;
+        Vector c = Vector::NullaryExpr(m, [&] { return normal(random); });
+        if (k % 5 == 0) c[0] = -infinity;
+        Vector b = Vector::NullaryExpr(n, [&] { return normal(random); });
+        // A multiplier that balances what has no mass, in most of the programmes.
+        for (Index i = 0; i < m; ++i) {
+            const double lambda = random() % 2 == 0 && c[i] != -infinity ? std::abs(normal(random)) : 0;
+            for (Index j = 3 * i; j < 3 * i + 3; ++j)
+                if (d[j] == 0) b[j] = -B.coeff(i, j) * lambda;
+        }
+        for (Index j = 3 * m; j < n; ++j)
+            if (d[j] == 0) b[j] = 0;
+        if (k % 4 == 0) b[static_cast<Index>(random() % n)] += 0.3;
+        const Vector guess = Vector::NullaryExpr(n, [&] { return normal(random); });
+        const DenseMatrix D = d.asDiagonal();
+        Vector first;
+        for (const Matrix& A : {Matrix::diagonal(d), Matrix(D), Matrix(SparseMatrix(D.sparseView()))}) {
+            Vector u = guess, lambda = Vector::Zero(m);
+            const auto report = AutomaticContact().prepare(A, Matrix(B))->solve(b, c, {u, lambda});
+            EXPECT_EQ(report.strategy, "row by row");
+            if (report.outcome == Outcome::unbounded) {
+                ++unbounded;
+                EXPECT_EQ((D * report.ray).norm(), 0);
+                const Vector rate = B * report.ray;
+                for (Index i = 0; i < m; ++i) EXPECT_TRUE(c[i] == -infinity || rate[i] >= -1e-14);
+                EXPECT_GT(b.dot(report.ray), 0);
+                continue;
+            }
+            ASSERT_EQ(report.outcome, Outcome::converged) << k;
+            ++solved;
+            EXPECT_LE((D * u - b - B.transpose() * lambda).lpNorm<Eigen::Infinity>(), 1e-12);
+            const Vector gap = B * u - c;
+            EXPECT_GE(gap.minCoeff(), -1e-12);
+            EXPECT_GE(lambda.minCoeff(), 0);
+            for (Index i = 0; i < m; ++i) EXPECT_TRUE(lambda[i] == 0 || gap[i] <= 1e-12);
+            if (first.size() == 0) first = u;
+            EXPECT_EQ((u - first).norm(), 0);
+        }
+    }
+    EXPECT_GT(solved, 100);
+    EXPECT_GT(unbounded, 50);
 }
 
 }  // namespace

@@ -96,5 +96,42 @@ TEST(KluRefactorable, SaysSingularAndRecovers) {
     EXPECT_LT((x - Eigen::Vector2d(1, 1)).norm(), 1e-15);
 }
 
+/// Against Eigen's SparseLU: solves, transposed solves and compliances, of one body, of two equal ones, and unsymmetric.
+TEST(KluFactor, AgreesWithSparseLUAsACholeskyFactorToo) {
+    for (const bool symmetric : {true, false})
+        for (const Index bodies : {1, 2}) {
+            const Index k = 12, n = bodies * k * k;
+            std::vector<Eigen::Triplet<double, long>> entries;
+            for (Index row = 0; row < n; ++row) {
+                const Index i = row % (k * k) / k, j = row % k;
+                entries.emplace_back(row, row, 4.1 + 0.01 * static_cast<double>(i + j));
+                if (i > 0) entries.emplace_back(row, row - k, -1.0);
+                if (i + 1 < k) entries.emplace_back(row, row + k, symmetric ? -1.0 : -0.3);
+                if (j > 0) entries.emplace_back(row, row - 1, symmetric ? -1.0 : -1.4);
+                if (j + 1 < k) entries.emplace_back(row, row + 1, -1.0);
+            }
+            SparseMatrix A(n, n);
+            A.setFromTriplets(entries.begin(), entries.end());
+            const KluFactor factor(A, symmetric);
+            EXPECT_EQ(factor.symmetric(), symmetric);
+            Eigen::SparseLU<SparseMatrix> direct(A), transposed(SparseMatrix(A.transpose()));
+            const DenseMatrix F = DenseMatrix::Random(n, 5);
+            DenseMatrix X = F, Y = F;
+            factor.solve(X);
+            factor.solve_transposed(Y);
+            EXPECT_LE((X - direct.solve(F)).norm(), 1e-13 * X.norm());
+            EXPECT_LE((Y - transposed.solve(F)).norm(), 1e-13 * Y.norm());
+            SparseMatrix R(n, 3);
+            R.insert(3, 0) = 1;
+            R.insert(k, 1) = -2;
+            R.insert(n - 1, 2) = 1;
+            const DenseMatrix exact = R.transpose() * DenseMatrix(direct.solve(DenseMatrix(R)));
+            DenseMatrix S(3, 3);
+            factor.compliance(R, 0, S);
+            for (Index j = 0; j < 3; ++j)
+                for (Index i = 0; i <= j; ++i) EXPECT_NEAR(S(i, j), exact(i, j), 1e-13 * exact.norm());
+        }
+}
+
 }  // namespace
 }  // namespace tact
