@@ -1,6 +1,7 @@
 #include "rows.hpp"
 
 #include <numeric>
+#include <vector>
 
 namespace tact {
 
@@ -39,6 +40,25 @@ bool ConstraintRows::bounds() const {
     for (Index i = 0; i < rows(); ++i)
         if (columns(i).size() != 1) return false;
     return true;
+}
+
+SparseMatrix scaled_rows(const Matrix& B, const Vector& unit) {
+    SparseMatrix Bt = B.to_sparse().transpose();
+    for (Index i = 0; i < Bt.outerSize(); ++i)
+        for (SparseMatrix::InnerIterator it(Bt, i); it; ++it) it.valueRef() *= unit[it.row()];
+    Bt.prune([](Index, Index, double value) { return value != 0; });
+    return Bt;
+}
+
+std::vector<Index> unknowns_in_rows(const Matrix& B, Index most) {
+    const SparseMatrix rows = B.to_sparse();
+    std::vector<char> seen(static_cast<std::size_t>(B.cols()), 0);
+    for (Index k = 0; k < rows.outerSize(); ++k)
+        for (SparseMatrix::InnerIterator it(rows, k); it; ++it) seen[static_cast<std::size_t>(it.col())] = 1;
+    std::vector<Index> unknowns;
+    for (Index j = 0; j < B.cols(); ++j)
+        if (seen[static_cast<std::size_t>(j)]) unknowns.push_back(j);
+    return static_cast<Index>(unknowns.size()) <= most ? unknowns : std::vector<Index>{};
 }
 
 }  // namespace tact

@@ -47,4 +47,10 @@ private:
     bool disjoint_ = true;
 };
 
+/// Rows of B times diag(unit), a column each.
+SparseMatrix scaled_rows(const Matrix& B, const Vector& unit);
+
+/// The unknowns that rows of B have entries on, rising; none if they are more than `most`.
+std::vector<Index> unknowns_in_rows(const Matrix& B, Index most);
+
 }  // namespace tact

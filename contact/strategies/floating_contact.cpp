@@ -10,6 +10,7 @@
 #include "../dense/acceptance.hpp"
 #include "../dense/balance.hpp"
 #include "../dense/saddle_active_set.hpp"
+#include "../prepare/rows.hpp"
 #include "../prepare/soft_modes.hpp"
 
 namespace tact {
@@ -22,33 +23,11 @@ constexpr Index few_rows = 1500;
 /// Rows beyond which there is no dense saddle: a gigabyte.
 constexpr Index most_rows = 8000;
 
-/// Rows of B in unknowns of unit stiffness, a column each.
-SparseMatrix scaled_rows(const Matrix& B, const Vector& unit) {
-    SparseMatrix Bt = B.to_sparse().transpose();
-    for (Index i = 0; i < Bt.outerSize(); ++i)
-        for (SparseMatrix::InnerIterator it(Bt, i); it; ++it) it.valueRef() *= unit[it.row()];
-    Bt.prune([](Index, Index, double value) { return value != 0; });
-    return Bt;
-}
-
-std::vector<Index> unknowns_in_rows(const Matrix& B) {
-    if (B.rows() > few_rows) return {};
-    const SparseMatrix rows = B.to_sparse();
-    std::vector<char> seen(at(B.cols()), 0);
-    for (Index k = 0; k < rows.outerSize(); ++k)
-        for (SparseMatrix::InnerIterator it(rows, k); it; ++it) seen[at(it.col())] = 1;
-    std::vector<Index> unknowns;
-    for (Index j = 0; j < B.cols(); ++j)
-        if (seen[at(j)]) unknowns.push_back(j);
-    // A block of the factor as large as this is worth its operations; more unknowns are no few.
-    return static_cast<Index>(unknowns.size()) <= 2 * few_rows ? unknowns : std::vector<Index>{};
-}
-
 class PreparedFloating final : public PreparedContact {
 public:
     PreparedFloating(const Matrix& A, const Matrix& B)
         : accept_(A, B),
-          modes_(A, B, unknowns_in_rows(B)),
+          modes_(A, B, B.rows() > few_rows ? std::vector<Index>{} : unknowns_in_rows(B, 2 * few_rows)),
           rows_(scaled_rows(B, modes_.unit())),
           source_rows_(B.to_sparse().transpose()),
           all_G_(rows_.transpose() * modes_.R()),
@@ -60,10 +39,8 @@ public:
     ContactReport solve(const ConstVectorRef& b, const ConstVectorRef& c, ContactPoint point) override {
         ContactReport report;
         report.strategy = "floating body";
-        if (!b.allFinite() || c.array().isNaN().any() || (c.array() == infinity).any()) {
-            report.outcome = Outcome::inaccurate;
-            return report;
-        }
+        report.outcome = Outcome::inaccurate;
+        if (!b.allFinite() || c.array().isNaN().any() || (c.array() == infinity).any()) return report;
         lambda_ = point.lambda;
         report.outcome = solve_scaled(modes_.unit().cwiseProduct(b), c, report);
         if (report.outcome == Outcome::unbounded) {
@@ -272,7 +249,6 @@ private:
         pool_G_ = scale_.asDiagonal() * G;
     }
 
-    /// What the rows of the pool are asked: gaps of `from` on, and forces on the modes of `load`.
     struct Question {
         Vector g, e, e_size, allowance, stiffness;
     };

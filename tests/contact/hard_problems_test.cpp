@@ -234,14 +234,14 @@ TEST(HardProblems, AProblemWithoutUnknownsOrWithNaNIsRefused) {
                  InputError);
 }
 
-TEST(HardProblems, ASingularMatrixWithoutContactIsAnErrorThatNamesIt) {
-    DenseMatrix singular(2, 2);
-    singular << 1, -1, -1, 1;
+TEST(HardProblems, AnIndefiniteMatrixIsAnErrorThatNamesIt) {
+    DenseMatrix indefinite(2, 2);
+    indefinite << 1, -2, -2, 1;
     try {
-        (void)AutomaticContact().prepare(Matrix(singular), Matrix::without_rows(2));
+        (void)AutomaticContact().prepare(Matrix(indefinite), Matrix::without_rows(2));
         FAIL();
     } catch (const NumericalError& error) {
-        EXPECT_NE(std::string(error.what()).find("2x2 dense matrix is singular"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("2x2 dense and indefinite"), std::string::npos) << error.what();
     }
 }
 
