@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../../lib/algebra/empty_rows.hpp"
 #include "../../lib/algebra/extended_sums.hpp"
 #include "../dense/acceptance.hpp"
 #include "../dense/balance.hpp"
@@ -410,7 +411,7 @@ private:
         active_set_.solve_on_last_rows(problem, correction, tau);
         Vector change = Vector::Zero(lambda_.size());
         for (Index k = 0; k < m; ++k)
-            if (lambda_[pool_[at(k)]] > 0) change[pool_[at(k)]] = correction[k] * scale_[k];
+            if (const Index row = pool_[at(k)]; lambda_[row] > 0) change[row] = correction[k] * scale_[k];
         Vector shift = rows_ * change + r;
         modes_.solve(shift);
         shift += R_ * tau.cwiseProduct(Vector(stiffness_.array() + 1));
@@ -424,18 +425,16 @@ private:
     SoftModes modes_;
     SparseMatrix rows_, source_rows_;  // column i: row i of B, in unknowns of unit stiffness and as given
     DenseMatrix all_G_;
-    Vector length_;
+    Vector length_, stiffness_, scale_;
     bool arranged_ = false, scaled_ = false;
+    double reach_ = 0;
     std::vector<char> on_;  // rows with a bound
     DenseMatrix loose_;     // modes without stiffness that no such row takes part in
     DenseMatrix R_, G_;     // the other modes, and B R
-    Vector stiffness_;
-    DenseMatrix faint_;  // R'A R of those without stiffness, to A's last digits
+    DenseMatrix faint_;     // R'A R of those without stiffness, to A's last digits
     std::vector<Index> pool_, place_;
     DenseMatrix compliance_, S_, pool_G_;
-    Vector scale_;
     SaddleActiveSet active_set_;
-    double reach_ = 0;
     Vector load_, free_, x_, u_, lambda_, tau_;
 };
 
@@ -443,6 +442,7 @@ private:
 
 std::unique_ptr<PreparedContact> FloatingContact::prepare(const Matrix& A, const Matrix& B) const {
     check_contact_matrices("FloatingContact", A, B);
+    if (has_empty_rows(B)) return prepare_without_empty_rows(*this, A, B);
     if (!A.is_symmetric()) throw InputError("FloatingContact: A is " + A.shape() + " and not symmetric");
     return std::make_unique<PreparedFloating>(A, B);
 }
