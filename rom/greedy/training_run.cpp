@@ -25,7 +25,7 @@ MarchReport static_run(const ContactProblem& problem, const ContactWorkspace& wo
 
 }  // namespace
 
-MarchReport run_by(const TrainingMethod& method, const ContactProblem& problem, ContactWorkspace& workspace,
+MarchReport run_by(const TrainingMethod& method, const ContactProblem& problem, const ContactWorkspace& workspace,
                    std::span<const Observer> observers) {
     if (method.integrator) return integrate(*method.integrator, problem, method.grid, workspace, observers);
     return static_run(problem, workspace, observers);
