@@ -6,6 +6,8 @@
 namespace tact {
 namespace {
 
+/// Times the places that rows speak of, where no solution is looked for.
+constexpr double far = 1e4;
 /// Of the reach: what rounding leaves of a gap whose exact value is zero.
 constexpr double rounding = 4e-15;
 
@@ -99,9 +101,10 @@ bool Acceptance::rows_are_met(const KktResiduals& kkt, const ConstVectorRef& b, 
 bool Acceptance::excludes(const ConstVectorRef& y, const ConstVectorRef& c) const {
     if (!y.allFinite() || !(y.minCoeff() >= 0)) return false;
     Vector force = Vector::Zero(Bt_.rows()), size = force;
-    double value = 0, terms = 0;
+    double value = 0, terms = 0, place = 0;
     for (Index i = 0; i < y.size(); ++i) {
         if (y[i] == 0) continue;
+        if (weight_[i] > 0) place = std::max(place, std::abs(c[i]) / weight_[i]);
         value += y[i] * c[i];
         terms += y[i] * std::abs(c[i]);
         for (SparseMatrix::InnerIterator it(Bt_, i); it; ++it) {
@@ -111,8 +114,11 @@ bool Acceptance::excludes(const ConstVectorRef& y, const ConstVectorRef& c) cons
     }
     // Where terms overflow nothing is shown.
     const double largest = size.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>();
-    return value > 1e-9 * terms && std::isfinite(largest) &&
-           force.cwiseQuotient(stiffness_).lpNorm<Eigen::Infinity>() <= 1e-9 * largest;
+    if (!(value > 1e-9 * terms) || !std::isfinite(largest)) return false;
+    // A u that satisfies the rows has c'y <= (B'y)'u, so its reach is c'y / |B'y|_1 at least: to be far beyond all places that
+    // the rows speak of, whatever rounding leaves of B'y.
+    const Vector rest = force.cwiseQuotient(stiffness_);
+    return rest.lpNorm<Eigen::Infinity>() <= 1e-9 * largest && far * place * rest.lpNorm<1>() <= value;
 }
 
 }  // namespace tact

@@ -26,7 +26,8 @@ public:
 
     const KktCertificate& residuals() const { return certificate_; }
 
-    /// Whether y >= 0 shows that no u satisfies the rows: B'y = 0 and c'y > 0, both beyond 1e-9 of their terms.
+    /// Whether y >= 0 shows that no u satisfies the rows: B'y = 0 and c'y > 0, both beyond 1e-9 of their terms, and only a u ten
+    /// thousand times as far as the rows' own places |c_i| / |B_i| could make up for what rounding leaves of B'y.
     bool excludes(const ConstVectorRef& y, const ConstVectorRef& c) const;
 
 private:
