@@ -131,12 +131,13 @@ TEST(Newton, TheCertificateIsThatOfTheStagesOwnEquations) {
     auto workspace = automatic();
     const auto solved = solve_static(p, workspace);
     ASSERT_EQ(solved.report.outcome, Outcome::converged);
+    const Vector c = p.c.at(0);
     Vector r(p.size());
     p.r->force(solved.u, r);
-    const auto kkt = KktCertificate(p.K, p.B)(p.f.at(0), p.c.at(0), solved.u, solved.lambda, r);
+    const auto kkt = KktCertificate(p.K, p.B)(p.f.at(0), RowBounds(c), solved.u, solved.lambda, r);
     EXPECT_EQ(solved.report.kkt.largest(), kkt.largest());
     // r counts in the scale by its size.
-    const auto far = KktCertificate(p.K, p.B)(p.f.at(0), p.c.at(0), solved.u, solved.lambda, -r);
+    const auto far = KktCertificate(p.K, p.B)(p.f.at(0), RowBounds(c), solved.u, solved.lambda, -r);
     EXPECT_GT(far.stationarity, 0.01);
 }
 
