@@ -24,7 +24,8 @@ TEST(NonNegativeLeastSquares, SatisfiesTheKktConditionsFromAnyStart) {
     for (int k = 1; k <= 40; ++k) {
         const double seed = 0.37 * k;
         const DenseMatrix C = k % 2 ? scattered(20, 1 + k % 13, seed) : scattered(20, 1 + k % 13, seed).cwiseAbs();
-        const Vector x = scattered(20, 1, seed + 5).col(0);
+        const DenseMatrix column = scattered(20, 1, seed + 5);
+        const Vector x = column.col(0);
         const DenseMatrix S = C.transpose() * C;
         for (const bool warm : {false, true}) {
             Vector f = warm ? Vector(scattered(C.cols(), 1, seed).col(0).cwiseMax(0)) : Vector::Zero(C.cols());
