@@ -24,9 +24,10 @@ TEST(NonNegativeLeastSquares, SatisfiesTheKktConditionsFromAnyStart) {
     for (int k = 1; k <= 40; ++k) {
         const double seed = 0.37 * k;
         const DenseMatrix C = k % 2 ? scattered(20, 1 + k % 13, seed) : scattered(20, 1 + k % 13, seed).cwiseAbs();
-        const DenseMatrix column = scattered(20, 1, seed + 5);
-        const Vector x = column.col(0);
-        const DenseMatrix S = C.transpose() * C;
+        const Vector x = scattered(20, 1, seed + 5).col(0);
+        // Column by column: of the whole product GCC 12 says that it loops beyond its end.
+        DenseMatrix S(C.cols(), C.cols());
+        for (Index j = 0; j < C.cols(); ++j) S.col(j) = C.transpose() * C.col(j);
         for (const bool warm : {false, true}) {
             Vector f = warm ? Vector(scattered(C.cols(), 1, seed).col(0).cwiseMax(0)) : Vector::Zero(C.cols());
             ASSERT_EQ(non_negative_least_squares(S, C.transpose() * x, f), Outcome::converged);
