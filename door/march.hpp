@@ -9,7 +9,7 @@
 namespace tact {
 
 /// One row a state, rows in one piece; memory as that of a DenseMatrix (lib/types.hpp).
-using History = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor | Eigen::DontAlign>;
+using History = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor | memory>;
 
 /// Which states of a march are kept, and what of them. Memory is that of what is kept: for n unknowns and m rows
 /// 8 (2n + m) bytes a state with everything.

@@ -31,7 +31,7 @@ private:
                     double unit);
     Index mark_doubts(const Eigen::VectorXf& tail_size, double tail, Index columns, double size);
 
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor | Eigen::DontAlign> B_;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor | memory> B_;
     Vector row_size_, inverse_size_;
     Index near_, far_;         // the columns of the first and the second look
     Eigen::VectorXf entries_;  // of the rows B_i / |B_i|

@@ -31,7 +31,7 @@ TEST(ReducedBasis, NamesWhatIsWrongWithIt) {
     EXPECT_EQ(refusal(good), "accepted");
     ReducedBasis bad = good;
     bad.U_lambda(4, 2) = -0.5;
-    EXPECT_EQ(refusal(bad), "ReducedBasis: U_lambda(4,2) is -0.500000, expected a finite entry >= 0");
+    EXPECT_EQ(refusal(bad), "ReducedBasis: U_lambda(4,2) is -0.5, expected a finite entry >= 0");
     bad = good;
     bad.U(6, 1) = std::numeric_limits<double>::quiet_NaN();
     EXPECT_NE(refusal(bad).find("U(6,1) is nan"), std::string::npos) << refusal(bad);
