@@ -28,6 +28,8 @@ SaddleActiveSet::Report SaddleActiveSet::solve(const Problem& p, Vector& lambda,
         report.repeated = true;
         report.outcome = dual(p, lambda, tau, w, report);
     }
+    if (report.outcome != Outcome::converged && report.outcome != Outcome::unbounded)
+        move_rows_apart(p, lambda, tau, w, report);
     if (report.outcome != Outcome::converged) return report;
     drop_rounding(p, lambda, tau, w);
     std::vector<Index> pressed;
@@ -38,6 +40,29 @@ SaddleActiveSet::Report SaddleActiveSet::solve(const Problem& p, Vector& lambda,
         take_modes(p);
     }
     return report;
+}
+
+/// Where many rows meet in one point rounding decides ties: it may leave a set without a regular exchange, or make rows that
+/// just meet exclude each other. The rows are moved apart, and the rows in contact there are tried where they are.
+void SaddleActiveSet::move_rows_apart(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report) {
+    const Index m = p.g.size();
+    if (m == 0) return;
+    const Vector certificate = certificate_;
+    for (const double apart : {1e-10, 1e-8, 1e-6}) {
+        const Vector g = p.g - apart * p.g.lpNorm<Eigen::Infinity>() * Vector::LinSpaced(m, 1, 2).cwiseSqrt();
+        const Problem moved{p.S, p.G, p.stiffness, p.e, p.e_size, g, p.allowance};
+        forgiven_.clear();
+        postponed_.clear();
+        Vector there = Vector::Zero(m);
+        if (primal_dual(moved, there, tau, w, report) != Outcome::converged &&
+            dual(moved, there, tau, w, report) != Outcome::converged)
+            continue;
+        if (primal_dual(p, there, tau, w, report) != Outcome::converged) continue;
+        lambda = there;
+        report.outcome = Outcome::converged;
+        return;
+    }
+    certificate_ = certificate;
 }
 
 /// Forces that are rounding of the gaps leave if no gap and no balance misses them. In a motion that needs no force all are.

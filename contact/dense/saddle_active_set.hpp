@@ -52,6 +52,7 @@ public:
 private:
     Outcome primal_dual(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report);
     Outcome dual(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report);
+    void move_rows_apart(const Problem& p, Vector& lambda, Vector& tau, Vector& w, Report& report);
     void drop_rounding(const Problem& p, Vector& lambda, const Vector& tau, Vector& w) const;
     /// A set of rows that holds every mode without stiffness, with multipliers that balance e.
     Outcome start(const Problem& p, std::vector<Index>& rows);
