@@ -174,7 +174,7 @@ TEST(Nnmf, NamesTheEntryItCannotTake) {
     };
     DenseMatrix X = fronts(30, 20, 5);
     X(4, 11) = -1e-3;
-    EXPECT_EQ(refusal(X, 3), "nnmf: X(4,11) is -0.001000, expected a finite number >= 0");
+    EXPECT_EQ(refusal(X, 3), "nnmf: X(4,11) is -0.001, expected a finite number >= 0");
     X(4, 11) = std::nan("");
     EXPECT_EQ(refusal(X, 3), "nnmf: X(4,11) is nan, expected a finite number >= 0");
     X(4, 11) = 0;
