@@ -261,7 +261,7 @@ Outcome SaddleActiveSet::dual(const Problem& p, Vector& lambda, Vector& tau, Vec
         if (q < 0) break;
         double moved = 0;
         const std::size_t waiting = postponed_.size();
-        const Outcome end = enter(p, q, by_number, tau, w, report, moved);
+        const Outcome end = enter(p, q, by_number, w, report, moved);
         if (end != Outcome::converged) return end;
         if (postponed_.size() == waiting) postponed_.clear();
         standing = moved > 0 ? 0 : standing + 1;
@@ -322,7 +322,7 @@ Index SaddleActiveSet::first_to_leave(const Vector& r, bool by_number, double& s
     return leaving;
 }
 
-Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, Vector& tau, Vector& w, Report& report,
+Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, const Vector& w, Report& report,
                                double& moved) {
     double multiplier_q = 0, gap_q = w[q];
     while (true) {
@@ -368,7 +368,6 @@ Outcome SaddleActiveSet::enter(const Problem& p, Index q, bool by_number, Vector
         if (!holds_) return Outcome::inaccurate;
         if (exchange) return Outcome::converged;
     }
-    (void)tau;
 }
 
 /// Row q depends on the active ones, whose multipliers can only grow: infeasible if y = e_q - r says so beyond rounding,

@@ -65,7 +65,7 @@ private:
     void gaps(const Problem& p, const Vector& tau, Vector& w);
     double imbalance(const Problem& p, const Vector& tau) const;
     void spread(Vector& lambda) const;
-    Outcome enter(const Problem& p, Index q, bool by_number, Vector& tau, Vector& w, Report& report, double& moved);
+    Outcome enter(const Problem& p, Index q, bool by_number, const Vector& w, Report& report, double& moved);
     Outcome nothing_moves(const Problem& p, Index q, double multiplier_q, const Vector& r, double violation);
     Index first_to_leave(const Vector& r, bool by_number, double& step) const;
     bool sets_a_mode_free(Index place) const;
