@@ -75,7 +75,7 @@ private:
     static constexpr double acceptable = 1e-10;
     static constexpr double gap_tolerance = 2e-14;     // of the row's own |c_i| + |B_i||x|
     static constexpr double rounding_of_gaps = 4e-15;  // of the largest of them, in units of energy
-    static constexpr double balanced = 1e-11;          // of the terms of a mode's balance
+    static constexpr double balanced = 1e-12;          // of the terms of a mode's balance
     static constexpr double unbalanced = 1e-11;        // the same for what no row can take
     static constexpr double held = 1e-10;              // of the motion that rows hold best
 
